@@ -1,0 +1,21 @@
+// SPDX-License-Identifier: Apache-2.0
+// The skin that the geometric and mechanical stages work on.
+#pragma once
+#include <cstdint>
+
+#include "core/landmarks.hpp"
+#include "core/regions.hpp"
+#include "core/surface_mesh.hpp"
+
+namespace palpate {
+
+/// Closed, outward-oriented, isotropic working skin in the head frame, [mm].
+struct HeadSurface {
+  SurfaceMesh skin;
+  std::vector<std::uint8_t>
+      filled;                      ///< one per point: 1 where repair closed a hole (no scan there)
+  LandmarkSet landmarks;           ///< head frame, [mm]
+  std::vector<SkinRegion> region;  ///< one per point
+};
+
+}  // namespace palpate
