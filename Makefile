@@ -1,0 +1,47 @@
+# Targets for people; `./run TARGET` installs the packages first.
+PRESET ?= release
+BUILD := build/$(PRESET)
+OUT ?= out
+
+.PHONY: build demo test bench lint format assets fuzz layout
+
+build: $(BUILD)/build.ninja
+	cmake --build $(BUILD)
+
+$(BUILD)/build.ninja: CMakeLists.txt CMakePresets.json
+	cmake --preset $(PRESET)
+
+# The main job on the bundled head.
+demo: build
+	mkdir -p $(OUT)
+	$(BUILD)/palpate build data/head.ply --unit mm -o $(OUT)/head.glb --report $(OUT)/head.report.html
+	@echo
+	@echo "The touchable head:  $(CURDIR)/$(OUT)/head.glb (Blender, ParaView, any glTF viewer)"
+	@echo "The report:          $(CURDIR)/$(OUT)/head.report.html (any browser)"
+
+test: layout build
+	ctest --test-dir $(BUILD) --output-on-failure -j 2
+
+# Folder may include folder: the dependency table of docs/decisions/0001-layout.md.
+layout:
+	sh tools/check_layout.sh
+
+bench: layout
+	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
+	cmake --build $(BUILD)
+	sh bench/run.sh $(BUILD)
+
+lint: build
+	git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror
+	git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P 2 -n 4 clang-tidy-16 -p $(BUILD) --quiet
+
+format:
+	git ls-files '*.cpp' '*.hpp' | xargs clang-format -i
+
+assets:
+	sh tools/assets/make_assets.sh
+
+fuzz:
+	cmake --preset asan
+	cmake --build build/asan --target fuzz_readers
+	build/asan/tests/io/fuzz_readers 100000
