@@ -1,0 +1,149 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/command_line.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <cstdio>
+#include <sstream>
+
+#include "apps/describe.hpp"
+#include "core/error.hpp"
+
+namespace palpate::app {
+namespace fs = std::filesystem;
+
+static std::pair<std::string, Vec3> parse_landmark(const std::string& word) {
+  const auto equals = word.find('=');
+  std::istringstream in(equals == std::string::npos ? "" : word.substr(equals + 1));
+  in.imbue(std::locale::classic());
+  Vec3 p;
+  char comma1 = 0, comma2 = 0, rest = 0;
+  if (!(in >> p.x() >> comma1 >> p.y() >> comma2 >> p.z()) || comma1 != ',' || comma2 != ',' ||
+      (in >> rest) || !p.allFinite())
+    throw InputError(
+        fmt::format("--landmark {}: write name=x,y,z in the scan's own coordinates", word));
+  return {word.substr(0, equals), p};
+}
+
+void Command::finish() {
+  if (!landmark_file.empty()) options.landmarks.given = read_landmark_file(landmark_file);
+  for (const std::string& word : landmark_words) {
+    const auto [name, position] = parse_landmark(word);
+    options.landmarks.given[name] = position;
+  }
+  options.landmarks.method =
+      landmark_method == "published" ? landmarks::Method::published : landmarks::Method::robust;
+  options.fit.method = fit_method == "published" ? skull::Method::published : skull::Method::depth;
+  options.sweep.youngs_modulus = youngs_modulus_kpa * 1e-3;
+  options.sweep.threads = threads;
+}
+
+CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& what,
+                         const std::string& footer, const CommandPtr& command,
+                         const std::function<void(Command&)>& work) {
+  CLI::App* sub = app.add_subcommand(name, what);
+  sub->option_defaults()->multi_option_policy(CLI::MultiOptionPolicy::TakeLast);
+  sub->footer(footer);
+  sub->add_flag("--json", command->json, "machine-readable result on standard output");
+  sub->add_flag("--quiet", command->quiet, "no progress on standard error");
+  sub->add_option("--threads", command->threads, "0 = all cores; the result does not depend on it")
+      ->check(CLI::Range(0, 4096));
+  sub->add_option("--config", command->config,
+                  "TOML file with options by their long names; the command line wins");
+  sub->callback([command, work] {
+    command->finish();
+    work(*command);
+  });
+  return sub;
+}
+
+void add_scan_options(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("SCAN", c->input, "head scan: .obj .ply .stl .off .gltf .glb")->required();
+  sub->add_option("--unit", c->options.unit,
+                  "unit of the scan; guessed from a head's size if absent")
+      ->check(CLI::IsMember({"mm", "cm", "dm", "m", "inch"}));
+  sub->add_option("--edge", c->options.repair.target_edge, "[mm] edge of the working mesh")
+      ->check(CLI::Range(1.0, 10.0))
+      ->capture_default_str();
+}
+
+void add_landmark_options(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("--landmarks", c->landmark_method, "how the face's points are found")
+      ->check(CLI::IsMember({"robust", "published"}))
+      ->capture_default_str();
+  sub->add_option("--landmark", c->landmark_words,
+                  "name=x,y,z in the scan's own coordinates; overrides what was found; may repeat")
+      ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
+  sub->add_option("--landmark-file", c->landmark_file,
+                  "JSON as `palpate landmarks --json` prints it");
+}
+
+void add_fit_options(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("--fit", c->fit_method, "depth: published tissue depths; published: weighted FFD")
+      ->check(CLI::IsMember({"depth", "published"}))
+      ->capture_default_str();
+  sub->add_option("--clearance", c->options.fit.clearance, "[mm] least distance from skin to bone")
+      ->check(CLI::Range(0.5, 10.0))
+      ->capture_default_str();
+  sub->add_option("--template", c->options.skull_template,
+                  "skull template .ply with its .json; default: bundled");
+  sub->add_option("--depths", c->options.depth_table, "tissue depth table .csv; default: bundled");
+}
+
+void add_tissue_options(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("--max-volume", c->options.tissue.max_volume,
+                  "[mm^3] largest tetrahedron of the tissue mesh")
+      ->check(CLI::Range(0.5, 1e4))
+      ->capture_default_str();
+}
+
+void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
+  auto& s = c->options.sweep;
+  sub->add_option("--sites", s.sites, "skin points that are solved in full; the rest is blended")
+      ->check(CLI::Range(8, 1000000))
+      ->capture_default_str();
+  sub->add_option("--tool-radius", s.tool_radius, "[mm] sphere that presses; 8 is a fingertip")
+      ->check(CLI::Range(1.0, 30.0))
+      ->capture_default_str();
+  sub->add_option("--max-force", s.max_force, "[N] largest of the equal force steps")
+      ->check(CLI::Range(0.1, 20.0))
+      ->capture_default_str();
+  sub->add_option("--loads", s.loads, "number of force steps")
+      ->check(CLI::Range(1, 100))
+      ->capture_default_str();
+  sub->add_option("--youngs-modulus-kpa", c->youngs_modulus_kpa, "[kPa] of the flesh")
+      ->check(CLI::Range(0.1, 1e4))
+      ->capture_default_str();
+  sub->add_option("--poissons-ratio", s.poissons_ratio, "[-] of the flesh")
+      ->check(CLI::Range(0.0, 0.495))
+      ->capture_default_str();
+  sub->add_option("--seed", s.seed, "for the choice of sites")->capture_default_str();
+}
+
+void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what) {
+  sub->add_option("-o,--output", c->output, what)->required();
+}
+
+void print_result(const Command& command, const nlohmann::json& result, const std::string& text) {
+  if (command.json)
+    fmt::print("{}\n", result.dump(2));
+  else
+    fmt::print("{}", text);
+  if (std::fflush(stdout) != 0) throw FileError("standard output: cannot be written");
+}
+
+void check_writable(const fs::path& output) {
+  const fs::path folder = output.has_parent_path() ? output.parent_path() : fs::path(".");
+  std::error_code error;
+  if (!fs::is_directory(folder, error))
+    throw FileError(fmt::format("{}: the folder {} does not exist; create it first",
+                                output.string(), folder.string()));
+  if (fs::is_directory(output, error))
+    throw FileError(fmt::format("{}: is a folder; name a file in it", output.string()));
+  if (::access(folder.c_str(), W_OK) != 0)
+    throw FileError(fmt::format("{}: the folder {} cannot be written; choose another",
+                                output.string(), folder.string()));
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,63 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What the subcommands share: option groups, output of results, errors as exit codes.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <vector>
+
+#include "apps/pipeline.hpp"
+
+namespace palpate::app {
+
+/// Documented in docs/command-line.md.
+enum ExitCode { kOk = 0, kBug = 1, kInput = 2, kSolve = 3, kFile = 4, kCancelled = 130 };
+
+/// One subcommand's settings; lives as long as the parse and the run.
+struct Command {
+  PipelineOptions options;
+  std::filesystem::path input;
+  std::filesystem::path output;
+  std::vector<std::string> landmark_words;  ///< name=x,y,z
+  std::filesystem::path landmark_file;
+  std::string landmark_method = "robust";
+  std::string fit_method = "depth";
+  double youngs_modulus_kpa = 45.658;
+  std::string config;  ///< read before the parse; here for --help
+  bool json = false;
+  bool quiet = false;
+  int threads = 0;
+
+  /// Moves the parsed words into `options`. @throws InputError names the option
+  void finish();
+};
+
+using CommandPtr = std::shared_ptr<Command>;
+
+/// Adds a subcommand; `work` runs when it was chosen and parsed.
+CLI::App* add_subcommand(CLI::App& app, const std::string& name, const std::string& what,
+                         const std::string& footer, const CommandPtr& command,
+                         const std::function<void(Command&)>& work);
+
+void add_scan_options(CLI::App* sub, const CommandPtr& c);      ///< SCAN, --unit, --edge
+void add_landmark_options(CLI::App* sub, const CommandPtr& c);  ///< --landmarks, --landmark, ...
+void add_fit_options(CLI::App* sub, const CommandPtr& c);  ///< --fit, --clearance, --template, ...
+void add_tissue_options(CLI::App* sub, const CommandPtr& c);  ///< --max-volume, ...
+void add_sweep_options(CLI::App* sub, const CommandPtr& c);   ///< --sites, --tool-radius, ...
+void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what);
+
+/// The result: JSON on standard output with --json, else the lines `text`.
+void print_result(const Command& command, const nlohmann::json& result, const std::string& text);
+/// @throws FileError before hours of work, not after: the folder is missing or cannot be written
+void check_writable(const std::filesystem::path& output);
+
+// One function per group of subcommands; main.cpp calls them.
+void add_build_command(CLI::App& app);
+void add_stage_commands(CLI::App& app);  ///< repair, landmarks, place, fit, mesh, sweep
+void add_head_commands(CLI::App& app);   ///< inspect, export, report
+void add_completion_command(CLI::App& app);
+
+}  // namespace palpate::app

@@ -1,0 +1,139 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/describe.hpp"
+
+#include <fmt/format.h>
+
+#include <cmath>
+
+#include "core/atomic_file.hpp"
+#include "core/error.hpp"
+#include "report/summary.hpp"
+
+namespace palpate::app {
+using nlohmann::json;
+
+static json vector_json(const Vec3& v) {
+  return {v.x(), v.y(), v.z()};
+}
+/// JSON has no NaN: null.
+static json number(double x) {
+  return std::isfinite(x) ? json(x) : json(nullptr);
+}
+
+json describe(const PipelineOptions& o) {
+  json given = json::object();
+  for (const auto& [name, p] : o.landmarks.given) given[name] = vector_json(p);
+  return {
+      {"edge_mm", o.repair.target_edge},
+      {"landmarks", o.landmarks.method == landmarks::Method::published ? "published" : "robust"},
+      {"landmarks_given", given},
+      {"fit", o.fit.method == skull::Method::published ? "published" : "depth"},
+      {"clearance_mm", o.fit.clearance},
+      {"template", o.skull_template.filename().string()},
+      {"depths", o.depth_table.filename().string()},
+      {"own_skull", o.own_skull.filename().string()},
+      {"tissue_max_volume_mm3", o.tissue.max_volume},
+      {"tool_radius_mm", o.sweep.tool_radius},
+      {"youngs_modulus_kpa", o.sweep.youngs_modulus * 1e3},
+      {"poissons_ratio", o.sweep.poissons_ratio},
+      {"loads", o.sweep.loads},
+      {"max_force_n", o.sweep.max_force},
+      {"sites", o.sweep.sites},
+      {"no_bone_beyond_mm", o.sweep.no_bone_beyond},
+      {"seed", o.sweep.seed},
+  };
+}
+
+json describe(const surface::RepairReport& r) {
+  return {{"duplicate_points", r.duplicate_points},
+          {"duplicate_faces", r.duplicate_faces},
+          {"degenerate_faces", r.degenerate_faces},
+          {"nonmanifold_spots", r.nonmanifold_spots},
+          {"components", r.components},
+          {"dropped_triangles", r.dropped_triangles},
+          {"winding_inverted", r.winding_inverted},
+          {"holes_filled", r.holes_filled},
+          {"largest_hole_mm", r.largest_hole_mm},
+          {"decimated_from", r.decimated_from},
+          {"wrapped", r.wrapped},
+          {"deviation_p95_mm", r.deviation_p95_mm},
+          {"lines", r.lines}};
+}
+
+json describe(const LandmarkSet& landmarks, double unit_mm) {
+  json all = json::object();
+  for (const auto& [name, mark] : landmarks)
+    all[name] = {{"position", vector_json(mark.position / unit_mm)},
+                 {"confidence", mark.confidence}};
+  return all;
+}
+
+json describe(const std::vector<DepthRow>& depths) {
+  json rows = json::array();
+  for (const DepthRow& d : depths)
+    rows.push_back({{"code", d.code},
+                    {"published_mm", d.published_mm},
+                    {"sd_mm", d.sd_mm > 0 ? json(d.sd_mm) : json(nullptr)},
+                    {"depth_mm", number(d.depth_mm)},
+                    {"reached", d.reached}});
+  return rows;
+}
+
+json describe(const HeadFrame& frame) {
+  json rows = json::array();
+  for (int i = 0; i < 3; ++i) rows.push_back(vector_json(frame.rotation.row(i).transpose()));
+  return {{"rotation", rows}, {"origin_mm", vector_json(frame.origin)}};
+}
+
+/// Share of the table's landmarks with an SD that lie within 1.5 SD.
+static json depth_agreement(const std::vector<DepthRow>& depths) {
+  int inside = 0, all = 0;
+  for (const DepthRow& d : depths) {
+    if (!d.reached || !(d.sd_mm > 0) || !std::isfinite(d.depth_mm)) continue;
+    ++all;
+    inside += std::abs(d.depth_mm - d.published_mm) <= 1.5 * d.sd_mm;
+  }
+  return {{"landmarks_with_sd", all},
+          {"within_1_5_sd", inside},
+          {"share", all > 0 ? json(static_cast<double>(inside) / all) : json(nullptr)}};
+}
+
+json describe(const TouchableHead& head) {
+  json status = json::object();
+  for (const auto n : kVertexStatusNames) status[std::string(n)] = 0;
+  for (const VertexStatus s : head.map.status)
+    status[std::string(name(s))] = status[std::string(name(s))].get<int>() + 1;
+  return {{"vertices", head.skin.points.size()},
+          {"triangles", head.skin.triangles.size()},
+          {"skull_vertices", head.skull.points.size()},
+          {"unit_mm", head.unit_mm},
+          {"units", {{"length", "mm"}, {"force", "N"}, {"stiffness", "N/mm"}}},
+          {"frame", describe(head.frame)},
+          {"landmarks", describe(head.landmarks, head.unit_mm)},
+          {"depths", describe(head.depths)},
+          {"depth_agreement", depth_agreement(head.depths)},
+          {"tool_radius_mm", head.map.tool_radius},
+          {"forces_n", head.map.forces},
+          {"status", status},
+          {"regions", report::to_json(report::region_summary(head))},
+          {"provenance", head.provenance},
+          {"run", head.run}};
+}
+
+std::map<std::string, Vec3> read_landmark_file(const std::filesystem::path& path) {
+  std::map<std::string, Vec3> given;
+  try {
+    const json file = json::parse(read_file(path));
+    for (const auto& [name, mark] : file.at("landmarks").items()) {
+      const json& p = mark.at("position");
+      given[name] = Vec3(p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>());
+    }
+  } catch (const json::exception& error) {
+    throw InputError(
+        fmt::format("{}: not a landmark file ({}); write one with `palpate landmarks SCAN --json`",
+                    path.string(), error.what()));
+  }
+  return given;
+}
+
+}  // namespace palpate::app

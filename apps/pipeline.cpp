@@ -1,0 +1,166 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/pipeline.hpp"
+
+#include <fmt/format.h>
+#include <tbb/global_control.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+#include "apps/describe.hpp"
+#include "core/error.hpp"
+#include "core/version.hpp"
+#include "io/assets.hpp"
+#include "landmarks/regions.hpp"
+#include "surface/query.hpp"
+
+namespace palpate::app {
+
+PreparedScan prepare_scan(const std::filesystem::path& path, const PipelineOptions& options,
+                          const Progress& progress, StageClock& clock) {
+  PreparedScan prepared;
+  prepared.file_name = path.filename().string();
+  prepared.scan = clock.run("read", [&] { return io::read_scan(path); });
+  if (options.unit.empty()) {
+    const io::UnitGuess guess = io::guess_unit(prepared.scan.mesh);
+    prepared.unit = guess.unit;
+    prepared.unit_certain = guess.certain;
+  } else {
+    prepared.unit = length_unit(options.unit).value();  // checked by the command line
+  }
+  prepared.scan_mm =
+      transformed(prepared.scan.mesh, millimetres(prepared.unit) * Mat3::Identity(), Vec3::Zero());
+  try {
+    prepared.working = clock.run("repair", [&] {
+      return surface::make_working_surface(prepared.scan_mm, options.repair, progress);
+    });
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", path.string(), error.what()));
+  }
+  return prepared;
+}
+
+/// Normals of the user's vertices: from their own triangles where these agree with the working
+/// surface, else from the working surface (points without triangles, inverted winding).
+static std::vector<Vec3> skin_normals(const std::vector<Vec3>& points,
+                                      const std::vector<Triangle>& triangles,
+                                      const HeadSurface& head) {
+  std::vector<Vec3> own = vertex_normals({points, triangles});
+  const std::vector<Vec3> working = vertex_normals(head.skin);
+  const surface::SurfaceQuery query(head.skin);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const surface::ClosestPoint c = query.closest(points[i]);
+    Vec3 n = Vec3::Zero();
+    for (int k = 0; k < 3; ++k) n += c.barycentric[k] * working[head.skin.triangles[c.triangle][k]];
+    if (own[i].dot(n) <= 0.5 * n.norm()) own[i] = n.normalized();
+  }
+  return own;
+}
+
+LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
+                        const Progress& progress, StageClock& clock) {
+  LocatedHead located;
+  landmarks::DetectOptions detect = options.landmarks;
+  for (auto& [name, position] : detect.given) position *= millimetres(scan.unit);
+  try {
+    located.detection = clock.run("landmarks", [&] {
+      return landmarks::detect_landmarks(scan.working.mesh, detect, progress);
+    });
+  } catch (const InputError& error) {
+    throw InputError(fmt::format("{}: {}", scan.file_name, error.what()));
+  }
+  const HeadFrame& frame = located.detection.frame;
+  HeadSurface& head = located.head;
+  head.skin = transformed(scan.working.mesh, frame.rotation, -(frame.rotation * frame.origin));
+  head.filled = scan.working.filled;
+  for (const auto& [name, mark] : located.detection.landmarks)
+    head.landmarks[name] = {frame.to_head(mark.position), mark.confidence};
+  head.region =
+      landmarks::skin_regions(head.skin.points, vertex_normals(head.skin), head.landmarks);
+
+  located.points.reserve(scan.scan_mm.points.size());
+  for (const Vec3& p : scan.scan_mm.points) located.points.push_back(frame.to_head(p));
+  located.normals = skin_normals(located.points, scan.scan_mm.triangles, head);
+  located.region = landmarks::skin_regions(located.points, located.normals, head.landmarks);
+  return located;
+}
+
+SkullTemplate load_template(const PipelineOptions& options) {
+  return io::read_skull_template(options.skull_template.empty()
+                                     ? io::data_folder() / "skull_template.ply"
+                                     : options.skull_template);
+}
+std::vector<TissueDepth> load_depths(const PipelineOptions& options) {
+  return io::read_tissue_depths(options.depth_table.empty() ? io::data_folder() / "tissue_depth.csv"
+                                                            : options.depth_table);
+}
+
+/// A lab's own skull: any closed surface in the scan's frame, [mm]; no landmarks, so no depth rows.
+static SkullFit own_skull(const LocatedHead& located, const PipelineOptions& options) {
+  const io::Scan scan = io::read_scan(options.own_skull);
+  const HeadFrame& frame = located.detection.frame;
+  SkullFit fit;
+  fit.mesh = transformed(scan.mesh, frame.rotation, -(frame.rotation * frame.origin));
+  fit.region.assign(fit.mesh.points.size(), SkullRegion::none);
+  fit.warnings.push_back(
+      fmt::format("skull taken from {}, not fitted", options.own_skull.filename().string()));
+  return fit;
+}
+
+SkullFit make_skull(const LocatedHead& located, const PipelineOptions& options,
+                    const Progress& progress, StageClock& clock) {
+  return clock.run("skull", [&] {
+    if (!options.own_skull.empty()) return own_skull(located, options);
+    return skull::fit_skull(located.head, load_template(options), load_depths(options), options.fit,
+                            progress);
+  });
+}
+
+MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
+                    const PipelineOptions& options, const Progress& progress, StageClock& clock) {
+  MappedHead mapped;
+  mapped.sweep = clock.run(
+      "sweep", [&] { return stiffness::sweep(located.head, skull, options.sweep, progress); });
+  mapped.map = clock.run("transfer", [&] {
+    return stiffness::transfer(mapped.sweep.map, located.head, skull, located.points,
+                               located.normals, located.region);
+  });
+  return mapped;
+}
+
+TouchableHead assemble(const PreparedScan& scan, const LocatedHead& located, const SkullFit& skull,
+                       const MappedHead& mapped, const std::optional<TissueMesh>& tissue,
+                       const PipelineOptions& options, const std::vector<std::string>& warnings) {
+  const HeadFrame& frame = located.detection.frame;
+  TouchableHead head;
+  head.skin = scan.scan.mesh;
+  head.unit_mm = millimetres(scan.unit);
+  head.frame = frame;
+  head.landmarks = located.detection.landmarks;
+  head.skull = transformed(skull.mesh, frame.rotation.transpose(), frame.origin);
+  head.skull_region = skull.region;
+  head.depths = skull.depths;
+  head.map = mapped.map;
+  head.provenance = {
+      {"palpate", kVersion},
+      {"input",
+       {{"file", scan.file_name},
+        {"format", scan.scan.format},
+        {"sha256", scan.scan.sha256},
+        {"vertices", scan.scan.mesh.points.size()},
+        {"triangles", scan.scan.mesh.triangles.size()},
+        {"unit", std::string(name(scan.unit))},
+        {"unit_given", !options.unit.empty()},
+        {"unit_certain", scan.unit_certain}}},
+      {"options", describe(options)},
+      {"repair", describe(scan.working.report)},
+      {"fit", skull.statistics},
+      {"sweep", mapped.sweep.statistics},
+      {"warnings", warnings},
+  };
+  if (tissue) head.provenance["tissue_mesh"] = tissue->quality;
+  return head;
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,182 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Each stage alone, reading and writing standard files, so that a lab can replace any of them.
+#include <fmt/format.h>
+
+#include "apps/command_line.hpp"
+#include "apps/describe.hpp"
+#include "apps/terminal_progress.hpp"
+#include "core/atomic_file.hpp"
+#include "core/error.hpp"
+#include "io/export.hpp"
+#include "io/head_file.hpp"
+#include "registration/place.hpp"
+
+namespace palpate::app {
+using nlohmann::json;
+namespace {
+
+/// Scan and face: what most stages start from.
+struct Start {
+  std::unique_ptr<Progress> progress;
+  StageClock clock;
+  PreparedScan scan;
+  LocatedHead located;
+
+  explicit Start(Command& c)
+      : progress(make_terminal_progress(c.quiet)),
+        clock(*progress),
+        scan(prepare_scan(c.input, c.options, *progress, clock)),
+        located(locate_head(scan, c.options, *progress, clock)) {}
+};
+
+void run_repair(Command& c) {
+  check_writable(c.output);
+  const auto progress = make_terminal_progress(c.quiet);
+  StageClock clock(*progress);
+  const PreparedScan scan = prepare_scan(c.input, c.options, *progress, clock);
+  io::write_surface(c.output, scan.working.mesh);
+  std::string text = fmt::format("unit {}\n", name(scan.unit));
+  for (const std::string& line : scan.working.report.lines) text += line + "\n";
+  print_result(c, {{"unit_mm", millimetres(scan.unit)}, {"repair", describe(scan.working.report)}},
+               text);
+}
+
+void run_landmarks(Command& c) {
+  if (!c.output.empty()) check_writable(c.output);
+  const Start start(c);
+  const double unit_mm = millimetres(start.scan.unit);
+  const json result = {{"unit_mm", unit_mm},
+                       {"landmarks", describe(start.located.detection.landmarks, unit_mm)},
+                       {"frame", describe(start.located.detection.frame)},
+                       {"warnings", start.located.detection.warnings}};
+  if (!c.output.empty()) write_file(c.output, result.dump(2) + "\n");
+  std::string text =
+      fmt::format("unit {}; positions in the scan's own coordinates\n", name(start.scan.unit));
+  for (const auto& [key, mark] : start.located.detection.landmarks)
+    text += fmt::format("{:<20} {:12.4f} {:12.4f} {:12.4f}   confidence {:.2f}\n", key,
+                        mark.position.x() / unit_mm, mark.position.y() / unit_mm,
+                        mark.position.z() / unit_mm, mark.confidence);
+  print_result(c, result, text);
+}
+
+void run_place(Command& c) {
+  check_writable(c.output);
+  const Start start(c);
+  const SkullTemplate skull = load_template(c.options);
+  const auto placed = c.fit_method == "published"
+                          ? registration::place_published(start.located.head, skull)
+                          : registration::place_similarity(start.located.head, skull);
+  const HeadFrame& frame = start.located.detection.frame;
+  SurfaceMesh mesh = transformed(skull.mesh, placed.linear, placed.translation);
+  mesh = transformed(mesh, frame.rotation.transpose(), frame.origin);
+  io::write_surface(c.output, mesh);
+  print_result(c, {{"residuals_mm", placed.residuals}},
+               fmt::format("skull template placed: {} (scan frame, mm)\n", c.output.string()));
+}
+
+void run_fit(Command& c) {
+  check_writable(c.output);
+  Start start(c);
+  const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
+  const HeadFrame& frame = start.located.detection.frame;
+  io::write_surface(c.output, transformed(skull.mesh, frame.rotation.transpose(), frame.origin));
+  std::string text;
+  for (const DepthRow& d : skull.depths)
+    if (d.reached)
+      text += fmt::format("{:<12} depth {:5.1f} mm, published {:5.1f}\n", d.code, d.depth_mm,
+                          d.published_mm);
+  for (const std::string& warning : skull.warnings) text += "warning: " + warning + "\n";
+  print_result(
+      c,
+      {{"depths", describe(skull.depths)}, {"fit", skull.statistics}, {"warnings", skull.warnings}},
+      text + fmt::format("skull {} (scan frame, mm)\n", c.output.string()));
+}
+
+void run_mesh(Command& c) {
+  check_writable(c.output);
+  Start start(c);
+  const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
+  TissueMesh tissue = start.clock.run("tissue", [&] {
+    return tetmesh::make_tissue_mesh(start.located.head, skull, c.options.tissue, *start.progress);
+  });
+  for (Vec3& p : tissue.nodes) p = start.located.detection.frame.to_scan(p);
+  io::write_tissue(c.output, tissue);
+  print_result(c, {{"tissue_mesh", tissue.quality}},
+               fmt::format("{} tetrahedra, {} nodes: {} (scan frame, mm)\n", tissue.tets.size(),
+                           tissue.nodes.size(), c.output.string()));
+}
+
+void run_sweep(Command& c) {
+  check_writable(c.output);
+  Start start(c);
+  const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
+  const MappedHead mapped = make_map(start.located, skull, c.options, *start.progress, start.clock);
+  TouchableHead head =
+      assemble(start.scan, start.located, skull, mapped, std::nullopt, c.options, skull.warnings);
+  head.run = {{"seconds", start.clock.seconds()}, {"threads", c.threads}};
+  io::write_head(c.output, head);
+  print_result(c, describe(head), fmt::format("head {}\n", c.output.string()));
+}
+
+void add_own_skull(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("--skull", c->options.own_skull,
+                  "skull surface (scan frame, mm), for example from `palpate fit`");
+}
+
+}  // namespace
+
+void add_stage_commands(CLI::App& app) {
+  auto c = std::make_shared<Command>();
+  CLI::App* sub = add_subcommand(app, "repair", "scan -> closed, even working surface",
+                                 "Example:  palpate repair scan.obj -o working.ply", c, run_repair);
+  add_scan_options(sub, c);
+  add_output_option(sub, c, "working surface in mm: .ply .obj .stl .off");
+
+  c = std::make_shared<Command>();
+  sub = add_subcommand(app, "landmarks", "scan -> the face's named points",
+                       "Example:  palpate landmarks scan.obj --json > landmarks.json", c,
+                       run_landmarks);
+  add_scan_options(sub, c);
+  add_landmark_options(sub, c);
+  sub->add_option("-o,--output", c->output, "also write them to a JSON file");
+
+  c = std::make_shared<Command>();
+  sub = add_subcommand(app, "place", "scan -> skull template placed by five points",
+                       "Example:  palpate place scan.obj -o placed.ply", c, run_place);
+  add_scan_options(sub, c);
+  add_landmark_options(sub, c);
+  add_fit_options(sub, c);
+  add_output_option(sub, c, "placed skull: .ply .obj .stl .off");
+
+  c = std::make_shared<Command>();
+  sub = add_subcommand(app, "fit", "scan -> skull fitted under the skin",
+                       "Example:  palpate fit scan.obj -o skull.ply", c, run_fit);
+  add_scan_options(sub, c);
+  add_landmark_options(sub, c);
+  add_fit_options(sub, c);
+  add_output_option(sub, c, "fitted skull: .ply .obj .stl .off");
+
+  c = std::make_shared<Command>();
+  sub = add_subcommand(app, "mesh", "scan and skull -> tetrahedra of flesh and bone",
+                       "Example:  palpate mesh scan.obj --skull skull.ply -o tissue.vtu", c,
+                       run_mesh);
+  add_scan_options(sub, c);
+  add_landmark_options(sub, c);
+  add_fit_options(sub, c);
+  add_own_skull(sub, c);
+  add_tissue_options(sub, c);
+  add_output_option(sub, c, "tissue mesh: .vtu .veg .inp .msh");
+
+  c = std::make_shared<Command>();
+  sub = add_subcommand(
+      app, "sweep", "scan and skull -> force-depth curves (head.glb without report)",
+      "Example:  palpate sweep scan.obj --skull skull.ply -o head.glb", c, run_sweep);
+  add_scan_options(sub, c);
+  add_landmark_options(sub, c);
+  add_fit_options(sub, c);
+  add_own_skull(sub, c);
+  add_sweep_options(sub, c);
+  add_output_option(sub, c, "touchable head, .glb");
+}
+
+}  // namespace palpate::app

@@ -1,0 +1,78 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "apps/terminal_progress.hpp"
+
+#include <fmt/format.h>
+#include <unistd.h>
+
+#include <chrono>
+#include <csignal>
+#include <cstdio>
+#include <string>
+
+namespace palpate::app {
+namespace {
+
+std::atomic<bool> stop_asked{false};
+
+/// The first Ctrl-C asks the run to stop at its next step; the second ends the process at once.
+void on_interrupt(int signal) {
+  if (stop_asked.exchange(true)) std::_Exit(128 + signal);
+}
+
+std::string clock_time(double seconds) {
+  const int s = static_cast<int>(seconds + 0.5);
+  return s < 60 ? fmt::format("{} s", s) : fmt::format("{} min {:02} s", s / 60, s % 60);
+}
+
+class StageLine {
+ public:
+  explicit StageLine(bool terminal) : terminal_(terminal) {}
+
+  void operator()(std::string_view stage, double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (stage != stage_) {
+      finish();
+      stage_ = stage;
+      start_ = shown_ = now;
+      if (terminal_) draw(fraction, 0);
+    } else if (terminal_ && now - shown_ > std::chrono::milliseconds(200)) {
+      shown_ = now;
+      draw(fraction, elapsed(now));
+    }
+    if (fraction >= 1) finish();
+  }
+
+ private:
+  double elapsed(std::chrono::steady_clock::time_point now) const {
+    return std::chrono::duration<double>(now - start_).count();
+  }
+  void draw(double fraction, double seconds) const {
+    std::string left;
+    if (fraction > 0.02 && seconds > 1)
+      left = ", " + clock_time(seconds * (1 - fraction) / fraction) + " left";
+    fmt::print(stderr, "\r\033[K{:<10} {:3.0f} %{}", stage_, 100 * fraction, left);
+    std::fflush(stderr);
+  }
+  void finish() {
+    if (stage_.empty()) return;
+    fmt::print(stderr, "{}{:<10} {}\n", terminal_ ? "\r\033[K" : "", stage_,
+               clock_time(elapsed(std::chrono::steady_clock::now())));
+    stage_.clear();
+  }
+
+  bool terminal_;
+  std::string stage_;
+  std::chrono::steady_clock::time_point start_, shown_;
+};
+
+}  // namespace
+
+std::unique_ptr<Progress> make_terminal_progress(bool quiet) {
+  std::signal(SIGINT, on_interrupt);
+  std::signal(SIGTERM, on_interrupt);
+  std::signal(SIGPIPE, SIG_IGN);
+  if (quiet) return std::make_unique<Progress>(Progress::Listener{}, &stop_asked);
+  return std::make_unique<Progress>(StageLine(isatty(STDERR_FILENO) == 1), &stop_asked);
+}
+
+}  // namespace palpate::app
