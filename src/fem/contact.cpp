@@ -1,0 +1,137 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// With y the skin point relative to the indenter, y = X + sum_i N_i u_i - start - d axis:
+//   sphere  g = |y| - R,   dg/dy = y/|y|,  d2g/dy2 = (I - n n')/|y|
+//   punch   g = y . axis,  dg/dy = axis,   d2g/dy2 = 0
+// and for phi = penalty/2 g^2 (g < 0), M = phi'' n n' + phi' d2g:
+//   by (u_i, u_j): N_i N_j M,  by (u_i, d): -N_i M axis,  by (d, d): axis' M axis.
+// phi' d2g is the only indefinite part (it is negative: a deflected pressure); `projected` drops
+// it.
+#include "fem/contact.hpp"
+
+#include <cmath>
+
+#include "core/error.hpp"
+
+namespace palpate::fem {
+namespace {
+
+/// Rest position of quadrature point q of a face.
+Vec3 face_point(const std::int32_t* face, const Eigen::VectorXd& shape,
+                const std::vector<Vec3>& nodes) {
+  Vec3 p = Vec3::Zero();
+  for (int i = 0; i < shape.size(); ++i) p += shape[i] * nodes[face[i]];
+  return p;
+}
+
+}  // namespace
+
+double first_contact(const FaceList& faces, ElementOrder order, const std::vector<Vec3>& nodes,
+                     const Vec3& through, const Vec3& axis, double radius) {
+  const int stride = face_nodes(order);
+  double offset = kInadmissible;
+  const auto look_at = [&](const Vec3& p) {
+    const double along = (p - through).dot(axis);
+    const double aside_squared = (p - through).squaredNorm() - along * along;
+    if (aside_squared < radius * radius)
+      offset = std::min(offset, along - std::sqrt(radius * radius - aside_squared));
+  };
+  for (std::size_t f = 0; f < faces.size(); f += stride) {
+    for (int i = 0; i < stride; ++i) look_at(nodes[faces[f + i]]);
+    for (const Vec3& b : contact_quadrature().points)
+      look_at(face_point(&faces[f], face_shape(order, b), nodes));
+  }
+  if (offset == kInadmissible) throw InputError("the tool's path does not meet the skin");
+  return offset;
+}
+
+Contact::Contact(const Topology& topology, const std::vector<Vec3>& nodes, const Indenter& indenter)
+    : topology_(topology), nodes_(nodes), indenter_(indenter) {
+  const FaceQuadrature& rule = contact_quadrature();
+  const int stride = face_nodes(topology.order);
+  std::vector<Eigen::Matrix<double, Eigen::Dynamic, 2>> slope;
+  for (const Vec3& b : rule.points) {
+    shape_.push_back(face_shape(topology.order, b));
+    slope.push_back(face_shape_gradient(topology.order, b));
+  }
+  for (std::size_t f = 0; f < topology.contact_faces.size(); f += stride)
+    for (std::size_t q = 0; q < rule.weights.size(); ++q) {
+      const std::int32_t* face = &topology.contact_faces[f];
+      Eigen::Matrix<double, 3, 2> tangent = Eigen::Matrix<double, 3, 2>::Zero();
+      for (int i = 0; i < stride; ++i) tangent += nodes[face[i]] * slope[q].row(i);
+      const double area = 0.5 * rule.weights[q] * tangent.col(0).cross(tangent.col(1)).norm();
+      const Vec3 y = face_point(face, shape_[q], nodes) - indenter.start;
+      const double aside = (y - y.dot(indenter.axis) * indenter.axis).norm();
+      if (indenter.shape == IndenterShape::sphere || aside <= indenter.radius)
+        points_.push_back({f, static_cast<int>(q), area});
+    }
+}
+
+double Contact::gap_value(const Vec3& p, double travel) const {
+  const Vec3 y = p - indenter_.start - travel * indenter_.axis;
+  return indenter_.shape == IndenterShape::sphere ? y.norm() - indenter_.radius
+                                                  : y.dot(indenter_.axis);
+}
+
+Contact::Gap Contact::gap(const Vec3& p, double travel) const {
+  if (indenter_.shape == IndenterShape::flat_punch)
+    return {gap_value(p, travel), indenter_.axis, Mat3::Zero()};
+  const Vec3 y = p - indenter_.start - travel * indenter_.axis;
+  const double length = y.norm();
+  const Vec3 n = y / length;
+  return {length - indenter_.radius, n, (Mat3::Identity() - n * n.transpose()) / length};
+}
+
+Vec3 Contact::position(const Eigen::VectorXd& x, const Point& p) const {
+  Vec3 at = Vec3::Zero();
+  for (int i = 0; i < shape_[p.rule].size(); ++i) {
+    const int node = topology_.contact_faces[p.face + i];
+    const int f = topology_.free_node[node];
+    at += shape_[p.rule][i] * (f < 0 ? nodes_[node] : Vec3(nodes_[node] + x.segment<3>(3 * f)));
+  }
+  return at;
+}
+
+double Contact::energy(const Eigen::VectorXd& x) const {
+  double sum = 0;
+  for (const Point& p : points_) {
+    const double g = gap_value(position(x, p), x[topology_.travel()]);
+    if (g < 0) sum += p.area * g * g;
+  }
+  return 0.5 * indenter_.penalty * sum;
+}
+
+double Contact::area(const Eigen::VectorXd& x) const {
+  double sum = 0;
+  for (const Point& p : points_)
+    if (gap_value(position(x, p), x[topology_.travel()]) < 0) sum += p.area;
+  return sum;
+}
+
+void Contact::add_derivatives(const Eigen::VectorXd& x, HessianKind kind, Eigen::VectorXd* gradient,
+                              std::vector<double>* hessian) const {
+  const int travel = topology_.travel();
+  for (const Point& p : points_) {
+    const Vec3 at = position(x, p);
+    if (gap_value(at, x[travel]) >= 0) continue;
+    const Gap g = gap(at, x[travel]);
+    const Vec3 force = p.area * indenter_.penalty * g.value * g.gradient;
+    Mat3 M = p.area * indenter_.penalty * g.gradient * g.gradient.transpose();
+    if (kind == HessianKind::exact) M += p.area * indenter_.penalty * g.value * g.hessian;
+    const Eigen::VectorXd& N = shape_[p.rule];
+    for (int i = 0; i < N.size(); ++i) {
+      const int a = topology_.free_node[topology_.contact_faces[p.face + i]];
+      if (a < 0) continue;
+      if (gradient) gradient->segment<3>(3 * a) += N[i] * force;
+      if (!hessian) continue;
+      for (int j = 0; j <= i; ++j) {
+        const int b = topology_.free_node[topology_.contact_faces[p.face + j]];
+        if (b >= 0) topology_.add_block(*hessian, a, b, N[i] * N[j] * M);
+      }
+      topology_.add_travel_row(*hessian, a, -N[i] * M * indenter_.axis);
+    }
+    if (gradient) (*gradient)[travel] -= force.dot(indenter_.axis);
+    if (hessian) hessian->back() += indenter_.axis.dot(M * indenter_.axis);
+  }
+}
+
+}  // namespace palpate::fem

@@ -1,0 +1,66 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Frictionless contact of the skin with a rigid indenter that travels along its axis.
+#pragma once
+#include "fem/elastic_body.hpp"
+
+namespace palpate::fem {
+
+enum class IndenterShape { sphere, flat_punch };
+
+/// At travel d [mm] its reference point is start + d * axis: the sphere's centre, or the middle of
+/// the punch's face (the punch touches only skin that rests within its radius of the axis).
+struct Indenter {
+  IndenterShape shape = IndenterShape::sphere;
+  double radius = 8;           ///< [mm] > 0
+  Vec3 axis = -Vec3::UnitZ();  ///< [-] unit, the direction of travel
+  Vec3 start = Vec3::Zero();   ///< [mm]
+  /// Pressure per penetration [MPa/mm]. At 20 the travel of a fingertip on flesh is short by less
+  /// than 0.3 % at 0.5 N and 0.1 % at 5 N (tests/fem/press_test.cpp); ten times more costs Newton
+  /// steps, ten times less costs a percent.
+  double penalty = 20;
+};
+
+/// The travel axis' offset at which a sphere that comes along `axis` through `through` first
+/// touches the faces: its centre is `through + offset * axis`. Looks at nodes and quadrature
+/// points.
+/// @throws InputError when no face lies within the sphere's radius of the axis
+[[nodiscard]] double first_contact(const FaceList& faces, ElementOrder order,
+                                   const std::vector<Vec3>& nodes, const Vec3& through,
+                                   const Vec3& axis, double radius);
+
+/// Contact energy penalty/2 * integral of min(gap, 0)^2 over the skin's rest area, by quadrature.
+class Contact {
+ public:
+  /// @param topology  with contact faces and travel; must outlive the object
+  Contact(const Topology& topology, const std::vector<Vec3>& nodes, const Indenter& indenter);
+
+  [[nodiscard]] double energy(const Eigen::VectorXd& x) const;  ///< [N mm]
+  void add_derivatives(const Eigen::VectorXd& x, HessianKind kind, Eigen::VectorXd* gradient,
+                       std::vector<double>* hessian) const;
+  /// Rest area of skin that is touched [mm^2].
+  [[nodiscard]] double area(const Eigen::VectorXd& x) const;
+
+ private:
+  struct Gap {
+    double value;   // [mm] < 0: penetration
+    Vec3 gradient;  // by the skin point
+    Mat3 hessian;
+  };
+  struct Point {
+    std::size_t face;
+    int rule;     // index of the quadrature point
+    double area;  // [mm^2]
+  };
+  [[nodiscard]] Gap gap(const Vec3& skin_point, double travel) const;
+  [[nodiscard]] Vec3 position(const Eigen::VectorXd& x, const Point& p) const;
+  /// Cheaper than gap(): value only.
+  [[nodiscard]] double gap_value(const Vec3& skin_point, double travel) const;
+
+  const Topology& topology_;
+  const std::vector<Vec3>& nodes_;
+  Indenter indenter_;
+  std::vector<Eigen::VectorXd> shape_;  // per quadrature point of a face
+  std::vector<Point> points_;
+};
+
+}  // namespace palpate::fem

@@ -1,0 +1,36 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// A rigid indenter pressed into tissue with prescribed forces; its travel is an unknown.
+#pragma once
+#include <span>
+
+#include "fem/contact.hpp"
+#include "fem/newton.hpp"
+
+namespace palpate::fem {
+
+struct PressOptions {
+  double relative_tolerance = 1e-5;  ///< [-] largest force left on a node, of the load; > 0
+  int max_iterations = 60;           ///< Newton steps per load
+  /// [mm] travel that the first load starts from; a good guess saves steps, nothing else.
+  double first_guess = 0.2;
+};
+struct PressCurve {
+  std::vector<double> travel;  ///< [mm] one per load that converged, in order
+  Eigen::VectorXd last;        ///< unknowns at the last converged load
+  int iterations = 0;          ///< over all loads
+  int projections = 0;
+  double residual = 0;    ///< [N] of the last load tried
+  bool complete = false;  ///< all loads converged
+};
+
+/// Stationary points of E(u) + contact(u, d) - force * d for ascending forces, each started from an
+/// extrapolation of those before.
+/// @param body      rest geometry; its topology has contact faces
+/// @param forces    [N] ascending, > 0
+/// @param cholesky  analysed for the body's topology; one per thread
+/// @note A load that does not converge ends the curve (`complete` is false); it does not throw.
+[[nodiscard]] PressCurve press(const ElasticBody& body, const Contact& contact,
+                               std::span<const double> forces, Cholesky& cholesky,
+                               const PressOptions& options = {});
+
+}  // namespace palpate::fem
