@@ -13,7 +13,8 @@ struct Scan {
   SurfaceMesh mesh;    ///< the file's vertices, all, in order, in the file's own numbers; polygons
                        ///< are split into fans; a glTF node's transform is applied
   std::string format;  ///< "obj", "ply", "stl", "off", "gltf", "glb"
-  std::string sha256;  ///< of the file's bytes, lower-case hex
+  std::string sha256;  ///< of the file's bytes, lower-case hex; a .gltf's buffer files follow it
+  std::vector<std::string> warnings;  ///< what is odd but can be used; one line each
 };
 
 /// @throws InputError  one line with the file, the first bad element and the remedy: empty,
