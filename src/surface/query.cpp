@@ -17,6 +17,7 @@
 #include <memory>
 
 #include "core/error.hpp"
+#include "surface/edge_groups.hpp"
 #include "surface/triangle_geometry.hpp"
 
 namespace palpate::surface {
@@ -38,27 +39,15 @@ using Scene = std::unique_ptr<std::remove_pointer_t<RTCScene>, ReleaseScene>;
 
 // neighbour[t][k]: the triangle across edge k of t, or t itself on a border.
 std::vector<Triangle> edge_neighbours(const SurfaceMesh& mesh) {
-  struct Side {
-    std::int32_t low, high, triangle, edge;
-  };
-  std::vector<Side> sides;
-  sides.reserve(3 * mesh.triangles.size());
   std::vector<Triangle> neighbour(mesh.triangles.size());
-  for (std::int32_t t = 0; t < static_cast<std::int32_t>(mesh.triangles.size()); ++t)
-    for (int k = 0; k < 3; ++k) {
-      const auto [low, high] = std::minmax(mesh.triangles[t][k], mesh.triangles[t][(k + 1) % 3]);
-      sides.push_back({low, high, t, k});
-      neighbour[t][k] = t;
+  for (std::size_t t = 0; t < neighbour.size(); ++t)
+    neighbour[t].fill(static_cast<std::int32_t>(t));
+  for_each_edge(mesh.triangles, mesh.points.size(), [&](std::span<const std::int32_t> sides) {
+    for (std::size_t i = 1; i < sides.size(); ++i) {
+      neighbour[sides[i - 1] / 3][sides[i - 1] % 3] = sides[i] / 3;
+      neighbour[sides[i] / 3][sides[i] % 3] = sides[i - 1] / 3;
     }
-  std::sort(sides.begin(), sides.end(), [](const Side& a, const Side& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
   });
-  for (std::size_t i = 1; i < sides.size(); ++i) {
-    const Side &a = sides[i - 1], &b = sides[i];
-    if (a.low != b.low || a.high != b.high) continue;
-    neighbour[a.triangle][a.edge] = b.triangle;
-    neighbour[b.triangle][b.edge] = a.triangle;
-  }
   return neighbour;
 }
 
@@ -286,6 +275,16 @@ std::optional<RayHit> SurfaceQuery::cast(const Vec3& origin, const Vec3& directi
   }
   return RayHit{context.best, origin + context.best * direction, context.barycentric,
                 static_cast<std::int32_t>(context.triangle)};
+}
+
+bool SurfaceQuery::blocked(const Vec3& origin, const Vec3& direction, double min_distance) const {
+  const Vec3 o = origin - tree_->center;
+  const double reach = std::sqrt(3.0) * (o.cwiseAbs().maxCoeff() + tree_->extent);
+  RTCRay ray = make_ray(o, direction, min_distance, reach).ray;
+  RTCIntersectContext context;
+  rtcInitIntersectContext(&context);
+  rtcOccluded1(tree_->scene.get(), &context, &ray);
+  return ray.tfar < 0;
 }
 
 }  // namespace palpate::surface

@@ -39,6 +39,10 @@ class SurfaceQuery {
   [[nodiscard]] std::optional<RayHit> cast(const Vec3& origin, const Vec3& direction,
                                            double max_distance = 1e9,
                                            double min_distance = 0) const;
+  /// Whether anything lies beyond `min_distance` [mm] along the unit vector. Single precision, for
+  /// votes over many rays: hits within about 1e-6 of the mesh's size of an end may go either way.
+  [[nodiscard]] bool blocked(const Vec3& origin, const Vec3& direction,
+                             double min_distance = 0) const;
   [[nodiscard]] const SurfaceMesh& mesh() const;
 
  private:

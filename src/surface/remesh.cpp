@@ -1,0 +1,176 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "surface/remesh.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <cmath>
+
+namespace palpate::surface {
+namespace {
+
+using Id = CornerMesh::Id;
+constexpr Id kNone = CornerMesh::kNone;
+
+// [-] cosine of the largest turn (60 degrees) of a face's normal in one edit: more is a fold.
+constexpr double kMaxTurn = 0.5;
+
+// Whether every face around v, but those of the edge to `gone`, keeps its direction and its edges
+// stay below the limit when v moves to p.
+bool may_move(const CornerMesh& m, Id v, const Vec3& p, Id gone, double limit2) {
+  bool ok = true;
+  m.around(v, [&](Id h) {
+    if (!ok) return;
+    const Id b = m.to(h), c = m.apex(h);
+    if (b != gone && (m.points[b] - p).squaredNorm() > limit2) ok = false;
+    if (b == gone || c == gone) return;
+    const Vec3 old = m.area_vector(h);
+    const Vec3 now = (m.points[b] - p).cross(m.points[c] - p);
+    const double scale = old.norm() * now.norm();
+    // A face without area has no direction to keep; one that would lose its area is refused.
+    if (now.squaredNorm() == 0 || (old.squaredNorm() > 0 && old.dot(now) < kMaxTurn * scale))
+      ok = false;
+  });
+  return ok;
+}
+
+std::size_t collapse_shorter(CornerMesh& m, double shorter, double limit) {
+  const double shorter2 = shorter * shorter, limit2 = limit * limit;
+  std::size_t done = 0;
+  for (Id h = 0; h < m.half_edges(); ++h) {
+    if (!m.alive(h) || m.length2(h) >= shorter2 || !m.can_collapse(h)) continue;
+    const Id a = m.from(h), b = m.to(h);
+    // The middle shrinks neither side; where it folds a face, one end may still do.
+    const Vec3 middle = 0.5 * (m.points[a] + m.points[b]);
+    for (const Vec3& p : {middle, Vec3(m.points[b]), Vec3(m.points[a])}) {
+      if (!may_move(m, a, p, b, limit2) || !may_move(m, b, p, a, limit2)) continue;
+      m.collapse(h);
+      m.points[b] = p;
+      ++done;
+      break;
+    }
+  }
+  return done;
+}
+
+// Flips towards valence 6 where the four points are nearly in one plane.
+void even_valences(CornerMesh& m, std::vector<int>& valence) {
+  const auto excess = [](int a, int b, int c, int d) {
+    const auto sq = [](int v) { return (v - 6) * (v - 6); };
+    return sq(a) + sq(b) + sq(c) + sq(d);
+  };
+  for (Id h = 0; h < m.half_edges(); ++h) {
+    if (!m.alive(h) || h > m.twin[h]) continue;
+    const Id g = m.twin[h], a = m.from(h), b = m.to(h), c = m.apex(h), d = m.apex(g);
+    const int va = valence[a], vb = valence[b], vc = valence[c], vd = valence[d];
+    if (va <= 3 || vb <= 3) continue;
+    if (excess(va - 1, vb - 1, vc + 1, vd + 1) >= excess(va, vb, vc, vd)) continue;
+    const Vec3 n1 = m.area_vector(h), n2 = m.area_vector(g), mean = n1 + n2;
+    const auto& p = m.points;
+    const Vec3 m1 = (p[c] - p[d]).cross(p[a] - p[d]), m2 = (p[d] - p[c]).cross(p[b] - p[c]);
+    const double size = mean.norm();
+    if (m1.dot(mean) < kMaxTurn * m1.norm() * size || m2.dot(mean) < kMaxTurn * m2.norm() * size)
+      continue;
+    // The new edge may not cut a corner that the old one followed.
+    constexpr double kFlat = 0.8;  // [-] cosine of the fold along the old edge (37 degrees)
+    if (n1.dot(n2) < kFlat * n1.norm() * n2.norm()) continue;
+    if (!m.can_flip(h)) continue;
+    m.flip(h);
+    --valence[a], --valence[b], ++valence[c], ++valence[d];
+  }
+}
+
+std::vector<int> valences(const CornerMesh& m) {
+  std::vector<int> valence(m.points.size(), 0);
+  for (const Id v : m.corner)
+    if (v != kNone) ++valence[v];
+  return valence;
+}
+
+// The nearest point of the target whose side faces the same way; p itself where there is none, so
+// that no point jumps across a thin sheet.
+Vec3 project(const SurfaceQuery& target, const std::vector<Vec3>& target_normal, const Vec3& p,
+             const Vec3& normal) {
+  const ClosestPoint c = target.closest(p);
+  return target_normal[c.triangle].dot(normal) > 0 ? c.point : p;
+}
+
+// Each point towards the area-weighted middle of its faces within the tangent plane, then onto the
+// target. All move at once from the old positions; a move that would fold a face is undone.
+void relax(CornerMesh& m, const SurfaceQuery& target, const std::vector<Vec3>& target_normal) {
+  std::vector<Vec3> goal(m.points.size());
+  tbb::parallel_for(std::size_t{0}, m.points.size(), [&](std::size_t i) {
+    const Id v = static_cast<Id>(i);
+    if (m.out[v] == kNone) return;
+    const Vec3& p = m.points[v];
+    Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
+    double weight = 0;
+    m.around(v, [&](Id h) {
+      const Vec3 n = m.area_vector(h);
+      const double area = n.norm();
+      middle += area * (p + m.points[m.to(h)] + m.points[m.apex(h)]) / 3;
+      normal += n;
+      weight += area;
+    });
+    normal.stableNormalize();
+    if (weight == 0) {
+      goal[i] = p;
+      return;
+    }
+    const Vec3 step = middle / weight - p;
+    goal[i] = project(target, target_normal, p + step - normal.dot(step) * normal, normal);
+  });
+  for (std::size_t i = 0; i < m.points.size(); ++i) {
+    const Id v = static_cast<Id>(i);
+    if (m.out[v] == kNone) continue;
+    if (may_move(m, v, goal[i], kNone, 1e300)) m.points[v] = goal[i];
+  }
+}
+
+}  // namespace
+
+void split_long_edges(CornerMesh& m, double longer, Id first, bool patch_only) {
+  const auto eligible = [&](Id h) {
+    return m.alive(h) && (!patch_only || m.patch[h / 3] || m.patch[m.twin[h] / 3]);
+  };
+  double longest2 = 0;
+  for (Id h = first; h < m.half_edges(); ++h)
+    if (eligible(h)) longest2 = std::max(longest2, m.length2(h));
+  // Longest first: a short side of a needle, split early, would only make more needles.
+  for (double limit2 = longest2; limit2 > longer * longer;) {
+    limit2 = std::max(0.5 * limit2, longer * longer);
+    for (Id h = first; h < m.half_edges(); ++h)  // also over the half-edges that splits append
+      while (eligible(h) && m.length2(h) > limit2)
+        m.split(h, 0.5 * (m.points[m.from(h)] + m.points[m.to(h)]));
+  }
+}
+
+void thin(CornerMesh& m, double edge, const Progress& progress) {
+  double sum = 0;
+  for (Id h = 0; h < m.half_edges(); ++h) sum += std::sqrt(m.length2(h));
+  constexpr double kGrowth = 1.5;  // [-] per pass; larger passes leave points of high valence
+  double length = sum / m.half_edges();
+  while (length < edge) {
+    length = std::min(kGrowth * length, edge);
+    progress.step("thinning", length / edge);
+    collapse_shorter(m, length, 2 * length);
+    m.compact();
+    auto valence = valences(m);
+    even_valences(m, valence);
+  }
+}
+
+void remesh(CornerMesh& m, const SurfaceQuery& target, double edge, int iterations,
+            const Progress& progress) {
+  const std::vector<Vec3> target_normal = triangle_normals(target.mesh());
+  for (int i = 0; i < iterations; ++i) {
+    progress.step("remeshing", static_cast<double>(i) / iterations);
+    split_long_edges(m, 4.0 / 3.0 * edge);
+    collapse_shorter(m, 4.0 / 5.0 * edge, 4.0 / 3.0 * edge);
+    m.compact();
+    auto valence = valences(m);
+    even_valences(m, valence);
+    relax(m, target, target_normal);
+  }
+}
+
+}  // namespace palpate::surface
