@@ -11,7 +11,6 @@ constexpr double kAboveSkin = 0.01;       // [mm] rays start above the highest s
 constexpr double kSteepestGrading = 2.5;  // [-] exponent of the layer rule; more flattens elements
 
 struct Sampler {
-  const PatchTemplate& t;
   const SiteFrame& frame;
   const surface::SurfaceQuery& skin;
   const surface::SurfaceQuery& bone;
@@ -63,19 +62,18 @@ SiteFrame site_frame(const Vec3& origin, const Vec3& outward_normal) {
   return f;
 }
 
-PatchGeometry sample_patch(const PatchTemplate& t, const SiteFrame& frame,
-                           const surface::SurfaceQuery& skin, const surface::SurfaceQuery& bone,
-                           const SamplingLimits& limits) {
-  const Sampler sampler{t, frame, skin, bone, limits};
+PatchGeometry sample_patch(std::span<const Column> columns, double near_radius,
+                           const SiteFrame& frame, const surface::SurfaceQuery& skin,
+                           const surface::SurfaceQuery& bone, const SamplingLimits& limits) {
+  const Sampler sampler{frame, skin, bone, limits};
   PatchGeometry g;
-  for (std::size_t i = 0; i < t.columns.size(); ++i) {
-    const Column& c = t.columns[i];
+  for (std::size_t i = 0; i < columns.size(); ++i) {
+    const Column& c = columns[i];
     const double near = i == 0 ? 0 : g.height[c.inner];
-    const double step =
-        i == 0 ? 1 : std::hypot(c.x - t.columns[c.inner].x, c.y - t.columns[c.inner].y);
+    const double step = i == 0 ? 1 : std::hypot(c.x - columns[c.inner].x, c.y - columns[c.inner].y);
     const auto seen = sampler.skin_height(c, near, limits.skin_slope * step);
     const double height = seen ? *seen : sampler.bound(c, near, limits.skin_slope * step);
-    if (!seen) ++(std::hypot(c.x, c.y) <= t.rule.touch_radius ? g.bent : g.bent_far);
+    if (!seen) ++(std::hypot(c.x, c.y) <= near_radius ? g.bent : g.bent_far);
 
     double depth = sampler.bone_depth(c, height);
     if (depth >= limits.no_bone_beyond) ++g.boneless;

@@ -32,8 +32,10 @@ struct SamplingLimits {
 /// Marches from the middle outwards: each column looks for the skin within the slope's reach of its
 /// inner neighbour, so that a nose or an ear in the line of sight is not taken for the cheek below
 /// it; where there is none, the slope's bound is used and counted in `bent`.
-[[nodiscard]] PatchGeometry sample_patch(const PatchTemplate& t, const SiteFrame& frame,
-                                         const surface::SurfaceQuery& skin,
+/// @param columns      of a template or of a coarser probe
+/// @param near_radius  [mm] where `bent` is counted
+[[nodiscard]] PatchGeometry sample_patch(std::span<const Column> columns, double near_radius,
+                                         const SiteFrame& frame, const surface::SurfaceQuery& skin,
                                          const surface::SurfaceQuery& bone,
                                          const SamplingLimits& limits = {});
 

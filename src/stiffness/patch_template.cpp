@@ -19,25 +19,6 @@ double angle_of(const std::vector<Ring>& rings, int ring, int sector) {
   return 2 * pi * (sector + turn) / rings[ring - 1].sectors;
 }
 
-std::vector<Column> make_columns(const std::vector<Ring>& rings, std::vector<int>& first) {
-  std::vector<Column> columns = {Column{}};
-  first = {0};
-  for (int r = 1; r <= static_cast<int>(rings.size()); ++r) {
-    first.push_back(static_cast<int>(columns.size()));
-    for (int s = 0; s < rings[r - 1].sectors; ++s) {
-      const double angle = angle_of(rings, r, s);
-      Column c{rings[r - 1].radius * std::cos(angle), rings[r - 1].radius * std::sin(angle), r, 0};
-      double best = -2;
-      for (int i = first[r - 1]; i < first[r]; ++i) {
-        const double cosine = columns[i].x * std::cos(angle) + columns[i].y * std::sin(angle);
-        if (cosine > best + 1e-9) best = cosine, c.inner = i;
-      }
-      columns.push_back(c);
-    }
-  }
-  return columns;
-}
-
 /// Triangles between two rings: advance along the ring whose next point lies first in angle.
 void zip_rings(const std::vector<Ring>& rings, int r, const std::vector<int>& first,
                std::vector<Triangle>& out) {
@@ -59,7 +40,9 @@ void zip_rings(const std::vector<Ring>& rings, int r, const std::vector<int>& fi
   }
 }
 
-std::vector<Triangle> triangulate(const std::vector<Ring>& rings, const std::vector<int>& first) {
+std::vector<Triangle> triangulate(const std::vector<Ring>& rings) {
+  std::vector<int> first = {0, 1};  // first column of each ring
+  for (const Ring& r : rings) first.push_back(first.back() + r.sectors);
   std::vector<Triangle> out;
   for (int s = 0; s < rings[0].sectors; ++s)
     out.push_back({0, 1 + s, 1 + (s + 1) % rings[0].sectors});
@@ -128,24 +111,43 @@ std::vector<std::uint8_t> held_nodes(const PatchTemplate& t, const fem::TetMesh&
 
 PatchRule default_rule(double tool_radius, double outer_radius, int layers) {
   // Fractions of the tool's radius under it, then a geometric progression to the rim.
-  constexpr std::array<Ring, 4> kUnderTool = {{{0.25, 6}, {0.5, 12}, {0.75, 18}, {1.0, 18}}};
-  constexpr std::array<int, 4> kBeyond = {18, 14, 12, 10};
+  constexpr std::array<Ring, 4> kUnderTool = {{{0.25, 6}, {0.5, 12}, {0.775, 12}, {1.125, 12}}};
+  constexpr std::array<int, 3> kBeyond = {12, 8, 8};
   PatchRule rule;
   rule.layers = layers;
   rule.touch_radius = 1.6 * tool_radius;
   for (const Ring& r : kUnderTool) rule.rings.push_back({r.radius * tool_radius, r.sectors});
-  const double growth = std::pow(outer_radius / tool_radius, 1.0 / kBeyond.size());
+  const double growth = std::pow(outer_radius / rule.rings.back().radius, 1.0 / kBeyond.size());
   for (const int sectors : kBeyond)
     rule.rings.push_back({rule.rings.back().radius * growth, sectors});
   return rule;
 }
 
+std::vector<Column> make_columns(const std::vector<Ring>& rings) {
+  std::vector<Column> columns = {Column{}};
+  int before = 0;  // first column of the ring inside
+  for (int r = 1; r <= static_cast<int>(rings.size()); ++r) {
+    const int first = static_cast<int>(columns.size());
+    for (int s = 0; s < rings[r - 1].sectors; ++s) {
+      const double angle = angle_of(rings, r, s);
+      Column c{rings[r - 1].radius * std::cos(angle), rings[r - 1].radius * std::sin(angle), r, 0};
+      double best = -2;
+      for (int i = before; i < first; ++i) {
+        const double cosine = std::cos(angle - std::atan2(columns[i].y, columns[i].x));
+        if (cosine > best + 1e-9) best = cosine, c.inner = i;
+      }
+      columns.push_back(c);
+    }
+    before = first;
+  }
+  return columns;
+}
+
 PatchTemplate make_template(const PatchRule& rule) {
   if (rule.rings.empty() || rule.layers < 1) throw InputError("a patch needs rings and layers");
   PatchTemplate t{rule, {}, {}, {}};
-  std::vector<int> first;
-  t.columns = make_columns(rule.rings, first);
-  const fem::TetMesh linear = extrude(t, triangulate(rule.rings, first));
+  t.columns = make_columns(rule.rings);
+  const fem::TetMesh linear = extrude(t, triangulate(rule.rings));
   const fem::TetMesh mesh = fem::to_quadratic(linear, &t.edges);
   t.topology =
       fem::make_topology(mesh, held_nodes(t, mesh), touchable_faces(mesh, rule.touch_radius));

@@ -42,6 +42,8 @@ struct PatchTemplate {
   }
   [[nodiscard]] int corners() const { return static_cast<int>(columns.size()) * (rule.layers + 1); }
 };
+/// Columns of a disk: the middle, then ring by ring.
+[[nodiscard]] std::vector<Column> make_columns(const std::vector<Ring>& rings);
 /// @throws InputError for a rule without rings or layers
 [[nodiscard]] PatchTemplate make_template(const PatchRule& rule);
 
