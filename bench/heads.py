@@ -47,7 +47,7 @@ def main():
         num = lambda x, f: format(x, f) if x is not None else '-'
         print(f"{name:10} {num(e.get('nose_tip'), '5.1f'):>5} {num(sum(eyes) / len(eyes) if eyes else None, '5.1f'):>5} {num(max(must) if must else None, '5.1f'):>5} "
               f"{fit.get('outside_count', -1):7.0f} {fit.get('min_clearance_mm', -1):6.2f} {num(share, '7.2f'):>7} {num(tau, '5.2f'):>5} {('softest' if order and order[-1] == 'cheek' else 'no'):>6.6} "
-              f"{num(sweep.get('blending_error_median'), '6.3f'):>6} {num(sweep.get('blending_error_p95'), '6.3f'):>6} {h['status']['failed']:6} {seconds:5.0f}", flush=True)
+              f"{num(sweep.get('blend_left_out_error_median'), '6.3f'):>6} {num(sweep.get('blend_left_out_error_p95'), '6.3f'):>6} {h['status']['failed']:6} {seconds:5.0f}", flush=True)
         if true_skull: skulls.append((name, glb, true_skull, path))
     script = os.path.join(o.shared, 'tools/skull_error.py')
     for name, glb, true_skull, skin in skulls:
