@@ -127,6 +127,60 @@ void CornerMesh::collapse(Id h) {
   out[a] = kNone;
 }
 
+std::size_t CornerMesh::split_fans() {
+  std::size_t added = 0;
+  std::vector<std::uint8_t> seen(corner.size(), 0), used(points.size(), 0);
+  for (Id h = 0; h < half_edges(); ++h) {
+    if (!alive(h) || seen[h]) continue;
+    Id v = corner[h];
+    if (used[v]) {
+      points.push_back(Vec3(points[v]));
+      used.push_back(1);
+      v = static_cast<Id>(points.size()) - 1;
+      ++added;
+    }
+    used[v] = 1;
+    const auto mark = [&](Id e) { seen[e] = 1, corner[e] = v; };
+    Id e = h;
+    do {  // counter-clockwise
+      mark(e);
+      e = turn(e);
+    } while (e != kNone && e != h);
+    if (e == h) continue;
+    for (e = twin[h]; e != kNone; e = twin[e]) mark(e = next(e));  // clockwise
+  }
+  return added;
+}
+
+void CornerMesh::remove_faces(const std::vector<std::uint8_t>& flagged) {
+  const auto remove = [&](Id f) {
+    for (Id h = 3 * f; h < 3 * f + 3; ++h) {
+      if (twin[h] != kNone) twin[twin[h]] = kNone;
+      twin[h] = corner[h] = kNone;
+    }
+  };
+  for (Id f = 0; f < faces(); ++f)
+    if (flagged[f] && alive(3 * f)) remove(f);
+  std::vector<Id> piece(faces(), kNone), walk, size;
+  for (Id seed = 0; seed < faces(); ++seed) {
+    if (piece[seed] != kNone || !alive(3 * seed)) continue;
+    walk.assign(1, seed);
+    piece[seed] = static_cast<Id>(size.size());
+    for (std::size_t i = 0; i < walk.size(); ++i)
+      for (Id h = 3 * walk[i]; h < 3 * walk[i] + 3; ++h)
+        if (twin[h] != kNone && piece[twin[h] / 3] == kNone) {
+          piece[twin[h] / 3] = piece[seed];
+          walk.push_back(twin[h] / 3);
+        }
+    size.push_back(static_cast<Id>(walk.size()));
+  }
+  const auto kept = static_cast<Id>(std::max_element(size.begin(), size.end()) - size.begin());
+  for (Id f = 0; f < faces(); ++f)
+    if (alive(3 * f) && piece[f] != kept) remove(f);
+  split_fans();
+  compact();
+}
+
 void CornerMesh::rebuild_out() {
   out.assign(points.size(), kNone);
   for (Id h = 0; h < half_edges(); ++h) {

@@ -70,6 +70,11 @@ struct CornerMesh {
   void collapse(Id h);
   [[nodiscard]] bool can_collapse(Id h) const;
 
+  /// A point where several fans of faces meet only at their tips becomes several points. Needs no
+  /// `out`, and leaves it stale. @return points added
+  std::size_t split_fans();
+  /// Removes the flagged faces (one flag per face), then all but the piece with the most faces.
+  void remove_faces(const std::vector<std::uint8_t>& flagged);
   /// Every `out` anew from the faces; a border point gets the first half-edge of its fan.
   void rebuild_out();
   /// Removed faces and points are dropped.

@@ -1,22 +1,205 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+// The closed surface at the scan's own resolution (`base`) is what all later points are projected
+// on: thinning and remeshing change where points lie on the skin, not the skin.
 #include "surface/repair.hpp"
 
+#include <fmt/format.h>
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+
+#include "core/error.hpp"
 #include "surface/holes.hpp"
+#include "surface/pockets.hpp"
 #include "surface/query.hpp"
 #include "surface/remesh.hpp"
 #include "surface/soup.hpp"
+#include "surface/untangle.hpp"
+#include "surface/wrap.hpp"
 
 namespace palpate::surface {
+namespace {
+
+using Id = CornerMesh::Id;
+
+constexpr int kIterations = 5;     // of remeshing: edge lengths then change by less than 1 %
+constexpr int kRimIterations = 2;  // after pockets are closed, to even out their rims
+// [target edges] Scans are thinned to this before remeshing: coarse enough to be quick, fine enough
+// that the first remeshing pass still has points to choose from.
+constexpr double kThin = 0.5;
+// [-] 36 pi V^2 / A^3 of the closed surface: 1 for a sphere, about 0.5 for a bust, 0.05 for a face
+// mask closed across its rim; a sheet has 0. Below it nothing can be called inside.
+constexpr double kFlattest = 1e-3;
+// [target edges] Width of gaps that a wrap bridges, and its distance from the surface.
+constexpr double kWrapAlpha = 2.0, kWrapOffset = 0.1;
+// [target edges] A wrapped point farther than this from the scan has no scan nearby.
+constexpr double kNearby = 0.5;
+
+// A closed surface and which of its triangles closed a hole.
+struct Base {
+  SurfaceMesh mesh;
+  std::vector<std::uint8_t> patch;
+};
+
+void check_scan(const SurfaceMesh& scan, const RepairOptions& options) {
+  if (!(options.target_edge >= 1 && options.target_edge <= 10))
+    throw InputError(fmt::format("the working edge must be 1 to 10 mm, not {}; see --edge",
+                                 options.target_edge));
+  if (scan.empty()) throw InputError("the scan has no triangles; give a surface mesh of a head");
+  if (scan.triangles.size() > options.refuse_above)
+    throw InputError(fmt::format("the scan has {} triangles, more than {}; thin it first",
+                                 scan.triangles.size(), options.refuse_above));
+  if (const auto defect = first_defect(scan))
+    throw InputError(fmt::format("the scan is damaged: {}; export it again", *defect));
+}
+
+void check_volume(const CornerMesh& m) {
+  double area = 0;
+  for (Id h = 0; h < m.half_edges(); h += 3) area += 0.5 * m.area_vector(h).norm();
+  const double volume = signed_volume(m.to_surface());
+  const double roundness = 36 * std::numbers::pi * volume * volume / (area * area * area);
+  if (!(roundness > kFlattest))
+    throw InputError(
+        fmt::format("the scan does not close into a volume ({:.0f} mm^2 of surface around {:.0f} "
+                    "mm^3); a whole "
+                    "head is needed",
+                    area, volume));
+}
+
+// Replaces pockets by membranes. @return the base without them, and with the membranes
+Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge,
+                   RepairReport& report, const Progress& progress) {
+  const SurfaceQuery with_pockets(m.to_surface());
+  std::vector<std::uint8_t> lost(base.mesh.triangles.size());
+  tbb::parallel_for(std::size_t{0}, lost.size(), [&](std::size_t i) {
+    const auto& [a, b, c] = base.mesh.triangles[i];
+    const auto& p = base.mesh.points;
+    lost[i] = pockets.face[with_pockets.closest((p[a] + p[b] + p[c]) / 3).triangle];
+  });
+  m.remove_faces(pockets.face);
+  m.patch.assign(m.faces(), 0);
+  fill_holes(m, edge, progress);
+  report.pockets_closed = pockets.count;
+
+  std::size_t kept = 0;
+  for (std::size_t i = 0; i < lost.size(); ++i)
+    if (!lost[i]) {
+      base.mesh.triangles[kept] = base.mesh.triangles[i];
+      base.patch[kept++] = base.patch[i];
+    }
+  base.mesh.triangles.resize(kept);
+  base.patch.resize(kept);
+  const auto shift = static_cast<Id>(base.mesh.points.size());
+  base.mesh.points.insert(base.mesh.points.end(), m.points.begin(), m.points.end());
+  for (Id h = 0; h < m.half_edges(); h += 3)
+    if (m.patch[h / 3]) {
+      base.mesh.triangles.push_back(
+          {m.corner[h] + shift, m.corner[h + 1] + shift, m.corner[h + 2] + shift});
+      base.patch.push_back(1);
+    }
+  return base;
+}
+
+// The wrap, remeshed where that keeps it free of self-intersections.
+SurfaceMesh wrapped(const SurfaceMesh& mesh, double edge, const Progress& progress) {
+  progress.step("wrapping", 0);
+  const SurfaceMesh wrap = alpha_wrap(mesh, kWrapAlpha * edge, kWrapOffset * edge);
+  if (wrap.empty())
+    throw InputError("the scan does not close into a volume; a whole head is needed");
+  CornerMesh m = corner_mesh(wrap);
+  remesh(m, SurfaceQuery(wrap), edge, kIterations, progress);
+  return untangle(m, edge, progress) ? m.to_surface() : wrap;
+}
+
+void flag_filled(WorkingSurface& w, const SurfaceQuery& query, const Base& base, double nearby) {
+  w.filled.resize(w.mesh.points.size());
+  tbb::parallel_for(std::size_t{0}, w.filled.size(), [&](std::size_t v) {
+    const ClosestPoint c = query.closest(w.mesh.points[v]);
+    w.filled[v] = base.patch[c.triangle] || c.distance > nearby;
+  });
+}
+
+// 95th percentile of the distance from the scan's points to the working surface, over the points
+// that belong to the outer skin (not to a closed pocket).
+double deviation_p95(const std::vector<Vec3>& scan, const SurfaceMesh& working,
+                     const SurfaceQuery* with_pockets, const Pockets& pockets) {
+  const SurfaceQuery query(working);
+  std::vector<double> distance(scan.size(), -1);
+  tbb::parallel_for(std::size_t{0}, scan.size(), [&](std::size_t i) {
+    if (with_pockets && pockets.face[with_pockets->closest(scan[i]).triangle]) return;
+    distance[i] = query.closest(scan[i]).distance;
+  });
+  std::erase(distance, -1);
+  if (distance.empty()) return 0;
+  const auto at = distance.begin() + static_cast<std::ptrdiff_t>(0.95 * (distance.size() - 1));
+  std::nth_element(distance.begin(), at, distance.end());
+  return *at;
+}
+
+void describe(RepairReport& r) {
+  const auto count = [&](std::size_t n, const char* what) {
+    if (n > 0) r.lines.push_back(fmt::format("{} {}", n, what));
+  };
+  count(r.duplicate_points, "repeated points were welded");
+  count(r.duplicate_faces, "repeated triangles were dropped");
+  count(r.degenerate_faces, "triangles without area were dropped");
+  count(r.nonmanifold_spots, "non-manifold edges or points were taken apart");
+  if (r.components > 1)
+    r.lines.push_back(fmt::format("the largest of {} pieces was kept; the others had {} triangles",
+                                  r.components, r.dropped_triangles));
+  if (r.winding_inverted) r.lines.push_back("triangles faced inwards and were turned round");
+  if (r.holes_filled > 0)
+    r.lines.push_back(fmt::format("{} holes were closed; the largest has a rim of {:.0f} mm",
+                                  r.holes_filled, r.largest_hole_mm));
+  count(r.pockets_closed, "pockets (eye sockets, mouth, nostrils) were closed");
+  if (r.decimated_from > 0)
+    r.lines.push_back(
+        fmt::format("{} triangles were thinned for the working mesh", r.decimated_from));
+  if (r.wrapped) r.lines.push_back("the surface passed through itself and was wrapped");
+  r.lines.push_back(fmt::format(
+      "95 % of the scan's points lie within {:.2f} mm of the working mesh", r.deviation_p95_mm));
+}
+
+}  // namespace
+
 WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions& options,
                                     const Progress& progress) {
+  check_scan(scan, options);
+  const double edge = options.target_edge;
   WorkingSurface w;
-  CornerMesh m = manifold_from_soup(scan, w.report);
-  fill_holes(m, options.target_edge, progress);
-  const SurfaceQuery q(m.to_surface());
-  thin(m, 0.5 * options.target_edge, progress);
-  remesh(m, q, options.target_edge, 5, progress);
-  w.mesh = m.to_surface();
-  w.filled.resize(w.mesh.points.size());
+  RepairReport& report = w.report;
+  progress.step("cleaning the scan", 0);
+  CornerMesh m = manifold_from_soup(scan, report);
+  const std::vector<Vec3> scan_points = m.points;
+  if (scan.triangles.size() > options.decimate_above) report.decimated_from = scan.triangles.size();
+
+  const HoleStatistics holes = fill_holes(m, edge, progress);
+  report.holes_filled = holes.filled;
+  report.largest_hole_mm = holes.largest_perimeter;
+  check_volume(m);
+
+  Base base{m.to_surface(), m.patch};
+  auto query = std::make_unique<SurfaceQuery>(base.mesh);
+  thin(m, kThin * edge, progress);
+  remesh(m, *query, edge, kIterations, progress);
+
+  const Pockets pockets = find_pockets(m, edge, progress);
+  std::unique_ptr<SurfaceQuery> with_pockets;
+  if (pockets.count > 0) {
+    with_pockets = std::make_unique<SurfaceQuery>(m.to_surface());
+    base = close_pockets(m, pockets, std::move(base), edge, report, progress);
+    query = std::make_unique<SurfaceQuery>(base.mesh);
+    remesh(m, *query, edge, kRimIterations, progress);
+  }
+
+  report.wrapped = !untangle(m, edge, progress);
+  w.mesh = report.wrapped ? wrapped(m.to_surface(), edge, progress) : m.to_surface();
+  flag_filled(w, *query, base, kNearby * edge);
+  report.deviation_p95_mm = deviation_p95(scan_points, w.mesh, with_pockets.get(), pockets);
+  describe(report);
   return w;
 }
+
 }  // namespace palpate::surface

@@ -27,20 +27,23 @@ struct RepairReport {
   bool winding_inverted = false;
   std::size_t holes_filled = 0;
   double largest_hole_mm = 0;      ///< [mm] perimeter
+  std::size_t pockets_closed = 0;  ///< eye sockets, mouth, nostrils: see pockets.hpp
   std::size_t decimated_from = 0;  ///< [triangles] 0 where nothing was thinned
   bool wrapped = false;            ///< alpha wrap was needed
-  double deviation_p95_mm = 0;     ///< [mm] scan vertices to working surface, 95th percentile
+  double deviation_p95_mm = 0;     ///< [mm] scan vertices to working surface, 95th percentile over
+                                   ///< those of the outer skin (not inside a closed pocket)
   std::vector<std::string> lines;  ///< the same, one sentence each, for people
 };
 
 struct WorkingSurface {
-  SurfaceMesh mesh;  ///< closed 2-manifold, normals out, no self-intersection sought
+  SurfaceMesh mesh;                  ///< closed 2-manifold, normals out, no self-intersection
   std::vector<std::uint8_t> filled;  ///< one per point: 1 where a hole was closed (no scan nearby)
   RepairReport report;
 };
 
 /// Steps: soup repair, orientation, largest component, decimation, hole filling, isotropic
-/// remeshing; alpha wrap only where these fail.
+/// remeshing, closing of pockets, removal of self-intersections; alpha wrap only where these fail.
+/// docs/method/repair.md has the reasons.
 /// @param scan  [mm], any triangle soup
 /// @throws InputError  empty, NaN, too large, or nothing that closes into a volume
 /// @note Deterministic; same bits for any thread count.

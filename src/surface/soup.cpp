@@ -207,30 +207,6 @@ CornerMesh largest_piece(const SurfaceMesh& mesh, const std::vector<Id>& twin,
   return m;
 }
 
-// A point where several fans of faces meet only at the tip becomes several points.
-void split_fans(CornerMesh& m, RepairReport& report) {
-  std::vector<std::uint8_t> seen(m.corner.size(), 0), used(m.points.size(), 0);
-  for (Id h = 0; h < m.half_edges(); ++h) {
-    if (!m.alive(h) || seen[h]) continue;
-    Id v = m.corner[h];
-    if (used[v]) {
-      m.points.push_back(Vec3(m.points[v]));
-      used.push_back(1);
-      v = static_cast<Id>(m.points.size()) - 1;
-      ++report.nonmanifold_spots;
-    }
-    used[v] = 1;
-    const auto mark = [&](Id e) { seen[e] = 1, m.corner[e] = v; };
-    Id e = h;
-    do {  // counter-clockwise
-      mark(e);
-      e = m.turn(e);
-    } while (e != kNone && e != h);
-    if (e == h) continue;
-    for (e = m.twin[h]; e != kNone; e = m.twin[e]) mark(e = CornerMesh::next(e));  // clockwise
-  }
-}
-
 // Two edges between the same two points cannot be told apart by index: the later ones get a point
 // in the middle; two open sides are zipped. @return whether any edge was split
 bool split_double_edges(CornerMesh& m) {
@@ -283,8 +259,7 @@ CornerMesh manifold_from_soup(const SurfaceMesh& scan, RepairReport& report) {
   std::vector<Id> twin = pair_sides(mesh, report);
   const std::vector<Id> piece = orient_pieces(mesh, twin, report);
   CornerMesh m = largest_piece(mesh, twin, piece, report);
-  split_fans(m, report);
-  m.rebuild_out();
+  report.nonmanifold_spots += m.split_fans();
   m.compact();
   while (split_double_edges(m)) m.rebuild_out();
   report.winding_inverted = capped_volume(m) < 0;
