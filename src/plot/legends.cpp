@@ -29,8 +29,8 @@ std::string svg(const ColorLegend& legend) {
   SvgWriter out(legend.width, top + kBar + 24, legend.label);
   out.text({left, 15}, legend.label, {.size = kText + 0.5, .bold = true});
   const double step = (right - left) / kSteps;
-  for (int i = 0; i < kSteps; ++i)  // half a pixel of overlap: no seams between the pieces
-    out.rectangle({left + i * step, top}, step + (i + 1 < kSteps ? 0.5 : 0), kBar,
+  for (int i = 0; i < kSteps; ++i)  // each piece runs to the end: no seams between them
+    out.rectangle({left + i * step, top}, right - left - i * step, kBar,
                   hex(sequential_color((i + 0.5) / kSteps)));
   const auto ticks = legend.logarithmic ? log_ticks(legend.low, legend.high)
                                         : linear_ticks(legend.low, legend.high, 5);

@@ -12,7 +12,7 @@
 namespace palpate::report {
 
 struct ReportOptions {
-  int picture_width = 900;  ///< [px]; 200 to 4000
+  int picture_width = 680;  ///< [px] of each of three side by side; 200 to 4000
 };
 
 /// Everything shown comes from the head: repairs, warnings, fit and mesh statistics are read from
