@@ -1,20 +1,54 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The template skull brought under one head's skin.
 #pragma once
+#include <array>
 #include <vector>
 
 #include "core/head_surface.hpp"
 #include "core/progress.hpp"
 #include "core/skull.hpp"
+#include "skull/ffd.hpp"
 
 namespace palpate::skull {
 
 enum class Method { depth, published };
 
+/// Choices that the source leaves open (docs/method/fit.md); recorded in the output.
+struct PublishedFitOptions {
+  std::array<int, 3> cells{8, 12, 8};  ///< l, m, n of the lattice
+  double heavy_weight = 1.0;           ///< [-] control point near the head (Algorithm 1); > 0
+  double light_weight = 0.5;           ///< [-] the others; > 0
+  FfdForm form = FfdForm::rational;    ///< how eq. 4.9 is read
+  double outside_near = 0.5;           ///< [-] share of the motion right beside the region
+  double outside_far = 0.1;            ///< [-] and from `outside_reach` on
+  double outside_reach = 60;           ///< [mm] > 0; about one region's width
+};
+
+/// Weights of the depth fit. One "independent observation" is one landmark of the table.
+struct DepthFitOptions {
+  double spacing = 40;      ///< [mm] between control points of the spline volume; 20 to 80
+  double bending = 0.3;     ///< [1/mm] resistance of the spline; > 0. Small values inflate the jaw
+  double asymmetry = 1;     ///< [-] extra share of `bending` against asymmetric change; >= 0
+  double strain_sd = 0.05;  ///< [-] spread of head proportions around one scale (affine stage)
+  double shear_sd = 0.02;   ///< [-] spread of shear
+  double sampling = 5;      ///< [mm] grid of the bone points that are looked at
+  double patch_area = 400;  ///< [mm^2] of bone that counts as one independent observation
+  double landmark_weight = 1;    ///< [-] observations per landmark of the table
+  double registration_sd = 4;    ///< [mm] spread of eye corners, alae and nose tip against bone
+  double facing = 0.3;           ///< [-] least cosine between bone normal and direction to the skin
+  double huber = 2;              ///< [sd] beyond which a misfit pulls no harder
+  double limit_margin = 0.3;     ///< [mm] on top of the clearance while fitting
+  double limit_sd = 0.5;         ///< [mm] give of the clearance while fitting
+  double least_jacobian = 0.3;   ///< [-] below it the spline is made stiffer and solved again
+  int max_iterations = 30;       ///< Gauss-Newton steps per stage
+  double step_tolerance = 0.05;  ///< [mm] largest motion of a point at which a stage is done
+};
+
 struct FitOptions {
   Method method = Method::depth;
   double clearance = 2.5;  ///< [mm] least skin-bone distance where the table is thicker; > 0
-  // further options of both methods are added by the stage's owner, each with unit and range
+  DepthFitOptions depth;
+  PublishedFitOptions published;
 };
 
 /// @param head    working skin with landmarks, head frame [mm]

@@ -1,0 +1,142 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "skull/depth_terms.hpp"
+
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "registration/place.hpp"
+
+namespace palpate::skull {
+namespace {
+
+using Cell = std::array<int, 3>;
+
+Cell cell_of(const Vec3& p, double size) {
+  // Mirrored cells are mirror images: x counts away from the midplane on both sides.
+  const int away = static_cast<int>(std::floor(std::abs(p.x()) / size));
+  return {p.x() < 0 ? -1 - away : away, static_cast<int>(std::floor(p.y() / size)),
+          static_cast<int>(std::floor(p.z() / size))};
+}
+
+Vec3 center_of(const Cell& c, double size) {
+  return Vec3((c[0] + 0.5) * size, (c[1] + 0.5) * size, (c[2] + 0.5) * size);
+}
+
+struct Representative {
+  std::size_t vertex = 0;
+  double distance2 = 1e300;
+  double seen_area = 0;
+};
+
+/// One vertex per grid cell and side of the bone, standing for the cell's area.
+std::vector<Representative> representatives(const SkullTemplate& skull, const DepthModel& model,
+                                            double size) {
+  std::map<std::pair<Cell, int>, Representative> chosen;
+  for (std::size_t i = 0; i < skull.mesh.points.size(); ++i) {
+    const Vec3& p = skull.mesh.points[i];
+    const Cell cell = cell_of(p, size);
+    // Seen and hidden bone of one cell (a thin plate's two faces) are kept apart.
+    Representative& r = chosen[{cell, model.area[i] > 0 ? 1 : 0}];
+    r.seen_area += model.area[i];
+    const double d2 = (p - center_of(cell, size)).squaredNorm();
+    if (d2 < r.distance2) {
+      r.distance2 = d2;
+      r.vertex = i;
+    }
+  }
+  std::vector<Representative> list;
+  for (const auto& [cell, r] : chosen) list.push_back(r);
+  return list;
+}
+
+}  // namespace
+
+std::vector<FitPoint> make_fit_points(const HeadSurface& head, const SkullTemplate& skull,
+                                      const DepthModel& model, const FitOptions& options) {
+  const DepthFitOptions& o = options.depth;
+  const std::vector<Vec3> normals = vertex_normals(skull.mesh);
+  std::vector<FitPoint> points;
+  for (const Representative& r : representatives(skull, model, o.sampling)) {
+    const bool floor_of_orbit = skull.region[r.vertex] == SkullRegion::orbit;
+    FitPoint p;
+    p.rest = skull.mesh.points[r.vertex];
+    p.normal = normals[r.vertex];
+    p.mean = model.mean[r.vertex];
+    p.sd = model.sd[r.vertex];
+    p.weight = floor_of_orbit ? 0 : r.seen_area / o.patch_area;
+    p.limit_weight = o.sampling * o.sampling / o.patch_area;
+    points.push_back(p);
+  }
+  for (const LandmarkTarget& l : model.landmarks) {
+    FitPoint p;
+    p.kind = FitPoint::Kind::landmark;
+    p.rest = l.position;
+    p.mean = l.mean;
+    p.sd = l.sd;
+    p.weight = o.landmark_weight;
+    points.push_back(p);
+  }
+  for (const registration::PointPair& pair : registration::shared_pairs(head, skull)) {
+    FitPoint p;
+    p.kind = FitPoint::Kind::registration;
+    p.rest = pair.from;
+    p.target = pair.to;
+    p.sd = o.registration_sd;
+    p.weight = 1;
+    points.push_back(p);
+  }
+  return points;
+}
+
+std::vector<std::uint8_t> trusted(const std::vector<FitPoint>& points,
+                                  const std::vector<Vec3>& positions,
+                                  const std::vector<Vec3>& normals, const SkinField& skin,
+                                  const FitOptions& options) {
+  std::vector<std::uint8_t> use(points.size(), 1);
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    if (points[i].kind == FitPoint::Kind::registration) continue;
+    const SkinDepth d = skin.at(positions[i]);
+    const bool facing = points[i].kind == FitPoint::Kind::landmark ||
+                        normals[i].dot(-d.gradient) > options.depth.facing;
+    use[i] = d.known && facing;
+  }
+  return use;
+}
+
+Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<Vec3>& positions,
+                        const std::vector<std::uint8_t>& use, const SkinField& skin,
+                        const FitOptions& options) {
+  const DepthFitOptions& o = options.depth;
+  const double limit = options.clearance + o.limit_margin;
+  const double limit_stiffness = 1 / (o.limit_sd * o.limit_sd);
+  Linearisation out;
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const FitPoint& p = points[i];
+    const auto index = static_cast<std::int32_t>(i);
+    if (p.kind == FitPoint::Kind::registration) {
+      const Vec3 left = p.target - positions[i];
+      const double weight = p.weight / (p.sd * p.sd);
+      out.energy += 0.5 * weight * left.squaredNorm();
+      for (int a = 0; a < 3; ++a) out.rows.push_back({index, Vec3::Unit(a), left[a], weight});
+      continue;
+    }
+    const bool drawn = use[i] && p.weight > 0;
+    if (!drawn && p.limit_weight == 0) continue;
+    const SkinDepth d = skin.at(positions[i]);
+    if (drawn) {
+      const double r = std::abs(d.depth - p.mean) / p.sd;
+      const double damping = r > o.huber ? o.huber / r : 1.0;
+      out.energy += p.weight * (r > o.huber ? o.huber * (r - 0.5 * o.huber) : 0.5 * r * r);
+      out.rows.push_back({index, d.gradient, p.mean - d.depth, p.weight * damping / (p.sd * p.sd)});
+    }
+    if (p.limit_weight > 0 && d.depth < limit && !skin.beyond_scan(positions[i])) {
+      const double weight = p.limit_weight * limit_stiffness;
+      out.energy += 0.5 * weight * (limit - d.depth) * (limit - d.depth);
+      out.rows.push_back({index, d.gradient, limit - d.depth, weight});
+    }
+  }
+  return out;
+}
+
+}  // namespace palpate::skull

@@ -1,0 +1,62 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The terms of the depth fit: what each bone point should satisfy, and their linearisation.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "skull/depth_model.hpp"
+#include "skull/fit.hpp"
+#include "skull/skin_field.hpp"
+
+namespace palpate::skull {
+
+/// A point of the template that the fit looks at.
+struct FitPoint {
+  enum class Kind : std::uint8_t { bone, landmark, registration };
+  Kind kind = Kind::bone;
+  Vec3 rest = Vec3::Zero();    ///< [mm] template
+  Vec3 normal = Vec3::Zero();  ///< [-] template; bone only
+  double mean = 0;             ///< [mm] expected depth
+  double sd = 1;               ///< [mm] its spread, or of the registration point
+  double weight = 0;  ///< [-] independent observations that the point stands for; 0: limits only
+  double limit_weight = 0;     ///< [-] the same, of the clearance
+  Vec3 target = Vec3::Zero();  ///< [mm] head; registration only
+};
+
+/// weight/2 * (residual - direction . step)^2, the model of one term around the current positions.
+struct Row {
+  std::int32_t point = 0;
+  Vec3 direction = Vec3::Zero();  ///< [-] head frame
+  double residual = 0;            ///< [mm] what is wanted along `direction`
+  double weight = 0;              ///< [1/mm^2]
+};
+
+struct Linearisation {
+  double energy = 0;      ///< [-] sum of all terms
+  std::vector<Row> rows;  ///< the energy's gradient along a step is -sum weight residual direction
+};
+
+/// Every bone point on a grid of options.depth.sampling, the table's landmarks, and the
+/// registration points that head and template share. A point and its mirror image are both chosen
+/// or not.
+[[nodiscard]] std::vector<FitPoint> make_fit_points(const HeadSurface& head,
+                                                    const SkullTemplate& skull,
+                                                    const DepthModel& model,
+                                                    const FitOptions& options);
+
+/// 1 for the points whose depth can be trusted where they are now: scanned skin nearest, and for
+/// bone facing it.
+/// @param normals  [-] of the points, head frame
+[[nodiscard]] std::vector<std::uint8_t> trusted(const std::vector<FitPoint>& points,
+                                                const std::vector<Vec3>& positions,
+                                                const std::vector<Vec3>& normals,
+                                                const SkinField& skin, const FitOptions& options);
+
+/// Depth terms of the trusted points (Huber), clearance of every point within the scan (one-sided,
+/// quadratic), registration points (quadratic). Continuously differentiable for fixed `use`.
+[[nodiscard]] Linearisation linearise(const std::vector<FitPoint>& points,
+                                      const std::vector<Vec3>& positions,
+                                      const std::vector<std::uint8_t>& use, const SkinField& skin,
+                                      const FitOptions& options);
+
+}  // namespace palpate::skull

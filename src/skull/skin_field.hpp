@@ -1,0 +1,38 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How deep a point lies under the skin, and whether the scan knows that.
+#pragma once
+#include <cstdint>
+#include <vector>
+
+#include "core/head_surface.hpp"
+#include "registration/cut.hpp"
+#include "surface/query.hpp"
+
+namespace palpate::skull {
+
+struct SkinDepth {
+  double depth = 0;              ///< [mm] shortest distance to the skin; negative outside
+  Vec3 gradient = Vec3::Zero();  ///< [-] unit: where depth grows fastest
+  bool known = false;            ///< the nearest skin was scanned and belongs to the head's shell
+};
+
+/// A head's skin for depth queries. Re-entrant; queries allocate nothing.
+class SkinField {
+ public:
+  explicit SkinField(const HeadSurface& head);
+
+  [[nodiscard]] SkinDepth at(const Vec3& p) const;
+  /// Depth alone, [mm].
+  [[nodiscard]] double depth(const Vec3& p) const { return -query_.signed_distance(p); }
+  /// Whether the point lies where the scan ends or beyond.
+  [[nodiscard]] bool beyond_scan(const Vec3& p) const;
+  [[nodiscard]] const registration::ScanEnds& ends() const { return ends_; }
+  [[nodiscard]] const surface::SurfaceQuery& query() const { return query_; }
+
+ private:
+  surface::SurfaceQuery query_;
+  registration::ScanEnds ends_;
+  std::vector<std::uint8_t> unknown_;  // per triangle: filled, a cap, ear or neck
+};
+
+}  // namespace palpate::skull
