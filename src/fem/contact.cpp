@@ -25,6 +25,10 @@ Vec3 face_point(const std::int32_t* face, const Eigen::VectorXd& shape,
 
 }  // namespace
 
+double default_penalty(double youngs_modulus, double tool_radius) {
+  return 900 * youngs_modulus / tool_radius;
+}
+
 double first_contact(const FaceList& faces, ElementOrder order, const std::vector<Vec3>& nodes,
                      const Vec3& through, const Vec3& axis, double radius) {
   const int stride = face_nodes(order);
@@ -100,11 +104,8 @@ double Contact::energy(const Eigen::VectorXd& x) const {
   return 0.5 * indenter_.penalty * sum;
 }
 
-double Contact::area(const Eigen::VectorXd& x) const {
-  double sum = 0;
-  for (const Point& p : points_)
-    if (gap_value(position(x, p), x[topology_.travel()]) < 0) sum += p.area;
-  return sum;
+double Contact::squared_pressure(const Eigen::VectorXd& x) const {
+  return 2 * indenter_.penalty * energy(x);
 }
 
 void Contact::add_derivatives(const Eigen::VectorXd& x, HessianKind kind, Eigen::VectorXd* gradient,

@@ -66,11 +66,28 @@ Eigen::VectorXd predict(const Pressed& potential, const std::vector<Eigen::Vecto
 
 }  // namespace
 
+std::vector<double> rigid_contact_travel(std::span<const double> forces,
+                                         std::span<const double> travel, std::span<const double> q,
+                                         double penalty) {
+  constexpr double kHertzExponent = 4.0 / 3;
+  std::vector<double> rigid;
+  const std::size_t n = travel.size();
+  for (std::size_t i = 0; i < n; ++i) {
+    const std::size_t before = i > 0 ? i - 1 : 0, after = i + 1 < n ? i + 1 : i;
+    double exponent = kHertzExponent;
+    if (before != after && q[before] > 0)
+      exponent = std::log(q[after] / q[before]) / std::log(forces[after] / forces[before]);
+    rigid.push_back(travel[i] - 0.5 * exponent * q[i] / (penalty * forces[i]));
+  }
+  return rigid;
+}
+
 PressCurve press(const ElasticBody& body, const Contact& contact, std::span<const double> forces,
                  Cholesky& cholesky, const PressOptions& options) {
   PressCurve curve;
   const int travel = body.topology().travel();
   std::vector<Eigen::VectorXd> states;
+  std::vector<double> squared_pressure;
   for (const double force : forces) {
     const Pressed potential(body, contact, force);
     Eigen::VectorXd start = Eigen::VectorXd::Zero(body.topology().unknowns());
@@ -82,7 +99,8 @@ PressCurve press(const ElasticBody& body, const Contact& contact, std::span<cons
       curve.iterations += r.iterations;
       curve.projections += r.projections;
       curve.residual = r.residual;
-      curve.travel.push_back(r.x[travel]);
+      curve.penalised_travel.push_back(r.x[travel]);
+      squared_pressure.push_back(contact.squared_pressure(r.x));
       states.push_back(std::move(r.x));
     } catch (const SolveError& e) {
       curve.residual = e.residual;
@@ -91,6 +109,8 @@ PressCurve press(const ElasticBody& body, const Contact& contact, std::span<cons
     }
   }
   if (!states.empty()) curve.last = states.back();
+  curve.travel =
+      rigid_contact_travel(forces, curve.penalised_travel, squared_pressure, contact.penalty());
   curve.complete = states.size() == forces.size();
   return curve;
 }

@@ -9,19 +9,29 @@
 namespace palpate::fem {
 
 struct PressOptions {
-  double relative_tolerance = 1e-5;  ///< [-] largest force left on a node, of the load; > 0
+  double relative_tolerance = 1e-4;  ///< [-] largest force left on a node, of the load; > 0
   int max_iterations = 60;           ///< Newton steps per load
   /// [mm] travel that the first load starts from; a good guess saves steps, nothing else.
   double first_guess = 0.2;
 };
 struct PressCurve {
-  std::vector<double> travel;  ///< [mm] one per load that converged, in order
-  Eigen::VectorXd last;        ///< unknowns at the last converged load
-  int iterations = 0;          ///< over all loads
+  std::vector<double> travel;            ///< [mm] one per load that converged, rigid contact
+  std::vector<double> penalised_travel;  ///< [mm] the same with the penalty's penetration in it
+  Eigen::VectorXd last;                  ///< unknowns at the last converged load
+  int iterations = 0;                    ///< over all loads
   int projections = 0;
   double residual = 0;    ///< [N] of the last load tried
   bool complete = false;  ///< all loads converged
 };
+
+/// Travel of a rigid contact from that of a penalised one, to first order in 1/penalty. With
+/// Q = integral of p^2 over the contact, dPi/d(1/penalty) = -Q/2 at the minimum and d = -dPi/dF, so
+///   d_rigid = d - (dQ/dF) / (2 penalty),
+/// with dQ/dF from the neighbouring loads (Q ~ F^m; m = 4/3, Hertz, for a single load).
+[[nodiscard]] std::vector<double> rigid_contact_travel(std::span<const double> forces,
+                                                       std::span<const double> travel,
+                                                       std::span<const double> squared_pressure,
+                                                       double penalty);
 
 /// Stationary points of E(u) + contact(u, d) - force * d for ascending forces, each started from an
 /// extrapolation of those before.

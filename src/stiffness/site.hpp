@@ -14,12 +14,15 @@ struct SiteCurve {
   int projections = 0;
   double residual = 0;  ///< [N] of the last load tried
 };
-/// Sphere of `tool_radius` from first geometric contact down the patch's axis.
+struct Tool {
+  double radius = 8;   ///< [mm] of the sphere
+  double penalty = 5;  ///< [MPa/mm] fem::default_penalty
+};
+/// Sphere from first geometric contact down the patch's axis.
 /// @param forces    [N] ascending
 /// @param cholesky  analysed for the template's topology; one per thread
 [[nodiscard]] SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                                   std::shared_ptr<const fem::EnergyDensity> law,
-                                   double tool_radius, std::span<const double> forces,
-                                   fem::Cholesky& cholesky);
+                                   std::shared_ptr<const fem::EnergyDensity> law, const Tool& tool,
+                                   std::span<const double> forces, fem::Cholesky& cholesky);
 
 }  // namespace palpate::stiffness

@@ -154,6 +154,7 @@ Solved press_sites(const Ground& ground, const std::vector<std::int32_t>& sites,
   const fem::Cholesky analysed(tissue.topology.pattern);
   const std::shared_ptr<const fem::EnergyDensity> law =
       fem::neo_hookean(fem::lame_moduli(o.youngs_modulus, o.poissons_ratio));
+  const Tool tool{o.tool_radius, fem::default_penalty(o.youngs_modulus, o.tool_radius)};
   tbb::enumerable_thread_specific<fem::Cholesky> workspace([&] { return fem::Cholesky(analysed); });
   Solved solved;
   solved.curves.resize(sites.size());
@@ -163,7 +164,7 @@ Solved press_sites(const Ground& ground, const std::vector<std::int32_t>& sites,
                                          ground.skin, ground.bone, ground.limits);
     if (g.bent > 0) ++clamped;
     solved.curves[i] = press_site(tissue, patch_nodes(tissue, g, kFirstLayerShare * o.tool_radius),
-                                  law, o.tool_radius, ground.forces, workspace.local());
+                                  law, tool, ground.forces, workspace.local());
   });
   solved.clamped = clamped;
   return solved;
