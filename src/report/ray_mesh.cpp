@@ -134,6 +134,7 @@ RayMesh::RayMesh(SurfaceMesh mesh) : data_(std::make_unique<Data>()) {
   data_->point_normals = vertex_normals(mesh);
   data_->side_normals = triangle_normals(mesh);
   data_->mesh = std::move(mesh);
+  if (data_->mesh.empty()) return;
   data_->build_tree();
   data_->measure_sky();
 }
@@ -142,6 +143,7 @@ RayMesh::RayMesh(RayMesh&&) noexcept = default;
 RayMesh& RayMesh::operator=(RayMesh&&) noexcept = default;
 
 std::optional<MeshHit> RayMesh::cast(const Vec3& origin, const Vec3& direction, double from) const {
+  if (!data_->scene) return std::nullopt;  // nothing to hit
   const RTCRayHit r = data_->trace(origin, direction, from > 0 ? from + kAfter : 0,
                                    std::numeric_limits<float>::infinity());
   if (r.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
