@@ -8,6 +8,10 @@
 
 namespace palpate::surface {
 
+/// What a face stands for. The rim between scan and cap is an edge of the scan and is kept sharp;
+/// the rim of a pocket runs through the middle of the skin and is smoothed.
+enum Patch : std::uint8_t { kScan = 0, kCap = 1, kPocketCover = 2 };
+
 /// Half-edge h belongs to face h / 3 and runs from corner[h] to corner[next(h)]. An oriented
 /// 2-manifold, with or without border: each point has one fan of faces.
 struct CornerMesh {
@@ -19,7 +23,7 @@ struct CornerMesh {
   std::vector<Id> twin;             ///< the same edge seen from the other face; kNone on a border
   std::vector<Id> out;              ///< one per point: a half-edge that leaves it (the first of the
                                     ///< fan on a border); kNone for a removed point
-  std::vector<std::uint8_t> patch;  ///< one per face: 1 where a hole was closed
+  std::vector<std::uint8_t> patch;  ///< one per face: see Patch
 
   static Id next(Id h) { return h % 3 == 2 ? h - 2 : h + 1; }
   static Id prev(Id h) { return h % 3 == 0 ? h + 2 : h - 1; }
@@ -33,6 +37,11 @@ struct CornerMesh {
   [[nodiscard]] bool alive(Id h) const { return corner[h] != kNone; }
   [[nodiscard]] double length2(Id h) const {
     return (points[to(h)] - points[from(h)]).squaredNorm();
+  }
+  /// An edge between scan and cap.
+  [[nodiscard]] bool rim(Id h) const {
+    const auto a = patch[h / 3], b = patch[twin[h] / 3];
+    return a != b && a != kPocketCover && b != kPocketCover;
   }
   /// Twice the area vector of the face of h.
   [[nodiscard]] Vec3 area_vector(Id h) const {

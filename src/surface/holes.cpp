@@ -88,16 +88,16 @@ bool triangulate_loop(const CornerMesh& m, const Polygon& p, Faces& faces) {
   return true;
 }
 
-void add_faces(CornerMesh& m, const std::vector<Id>& loop, const Faces& faces) {
+void add_faces(CornerMesh& m, const std::vector<Id>& loop, const Faces& faces, Patch kind) {
   std::map<std::pair<Id, Id>, Id> side;
   for (const Id h : loop) side[{m.from(h), m.to(h)}] = h;
   const Id first = m.half_edges();
-  for (const auto& [a, b, c] : faces) m.add_face(a, b, c, 1);
+  for (const auto& [a, b, c] : faces) m.add_face(a, b, c, kind);
   for (Id h = first; h < m.half_edges(); ++h) side[{m.from(h), m.to(h)}] = h;
   for (Id h = first; h < m.half_edges(); ++h) m.pair(h, side.at({m.to(h), m.from(h)}));
 }
 
-void close_loop(CornerMesh& m, const std::vector<Id>& loop) {
+void close_loop(CornerMesh& m, const std::vector<Id>& loop, Patch kind) {
   Polygon p;
   for (auto it = loop.rbegin(); it != loop.rend(); ++it) p.push_back(m.to(*it));
   Faces faces;
@@ -109,13 +109,13 @@ void close_loop(CornerMesh& m, const std::vector<Id>& loop) {
     const Id c = m.add_point(center);
     for (std::size_t i = 0; i < p.size(); ++i) faces.push_back({p[i], p[(i + 1) % p.size()], c});
   }
-  add_faces(m, loop, faces);
+  add_faces(m, loop, faces, kind);
 }
 
 // An edge inside a patch: both faces are new.
 bool inside_patch(const CornerMesh& m, Id h) {
   const Id g = m.twin[h];
-  return g != kNone && m.patch[h / 3] && m.patch[g / 3];
+  return g != kNone && m.patch[h / 3] != kScan && m.patch[h / 3] == m.patch[g / 3];
 }
 
 // Sum of the angles opposite an edge: more than pi where the other diagonal is better (Delaunay).
@@ -185,7 +185,7 @@ void relax_to_membrane(CornerMesh& m, Id first, const Progress& progress) {
 
 }  // namespace
 
-HoleStatistics fill_holes(CornerMesh& m, double edge, const Progress& progress) {
+HoleStatistics fill_holes(CornerMesh& m, double edge, Patch kind, const Progress& progress) {
   const auto loops = m.border_loops();
   HoleStatistics statistics;
   statistics.filled = loops.size();
@@ -195,7 +195,7 @@ HoleStatistics fill_holes(CornerMesh& m, double edge, const Progress& progress) 
     for (const Id h : loop) perimeter += std::sqrt(m.length2(h));
     statistics.largest_perimeter = std::max(statistics.largest_perimeter, perimeter);
     progress.step("closing holes", 0.2);
-    close_loop(m, loop);
+    close_loop(m, loop, kind);
   }
   m.rebuild_out();
   split_long_edges(m, 4.0 / 3.0 * edge, first, true);

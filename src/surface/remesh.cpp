@@ -4,6 +4,7 @@
 #include <tbb/parallel_for.h>
 
 #include <cmath>
+#include <limits>
 
 namespace palpate::surface {
 namespace {
@@ -33,15 +34,27 @@ bool may_move(const CornerMesh& m, Id v, const Vec3& p, Id gone, double limit2) 
   return ok;
 }
 
+// One flag per point: 1 on a rim.
+std::vector<std::uint8_t> rim_points(const CornerMesh& m) {
+  std::vector<std::uint8_t> on_rim(m.points.size(), 0);
+  for (Id h = 0; h < m.half_edges(); ++h)
+    if (m.alive(h) && m.rim(h)) on_rim[m.from(h)] = 1;
+  return on_rim;
+}
+
 std::size_t collapse_shorter(CornerMesh& m, double shorter, double limit) {
   const double shorter2 = shorter * shorter, limit2 = limit * limit;
+  const std::vector<std::uint8_t> on_rim = rim_points(m);
   std::size_t done = 0;
   for (Id h = 0; h < m.half_edges(); ++h) {
     if (!m.alive(h) || m.length2(h) >= shorter2 || !m.can_collapse(h)) continue;
     const Id a = m.from(h), b = m.to(h);
+    // The surviving point is b: on a rim it must be a point of that rim, and two points of rims may
+    // only merge along one. The twin offers the other end.
+    if (on_rim[a] && (!on_rim[b] || !m.rim(h))) continue;
+    const Vec3 end = m.points[b], middle = 0.5 * (m.points[a] + end);
     // The middle shrinks neither side; where it folds a face, one end may still do.
-    const Vec3 middle = 0.5 * (m.points[a] + m.points[b]);
-    for (const Vec3& p : {middle, Vec3(m.points[b]), Vec3(m.points[a])}) {
+    for (const Vec3& p : {on_rim[b] ? end : middle, end}) {
       if (!may_move(m, a, p, b, limit2) || !may_move(m, b, p, a, limit2)) continue;
       m.collapse(h);
       m.points[b] = p;
@@ -60,6 +73,7 @@ void even_valences(CornerMesh& m, std::vector<int>& valence) {
   };
   for (Id h = 0; h < m.half_edges(); ++h) {
     if (!m.alive(h) || h > m.twin[h]) continue;
+    if (m.patch[h / 3] != m.patch[m.twin[h] / 3]) continue;  // faces keep what they stand for
     const Id g = m.twin[h], a = m.from(h), b = m.to(h), c = m.apex(h), d = m.apex(g);
     const int va = valence[a], vb = valence[b], vc = valence[c], vd = valence[d];
     if (va <= 3 || vb <= 3) continue;
@@ -97,10 +111,11 @@ Vec3 project(const SurfaceQuery& target, const std::vector<Vec3>& target_normal,
 // Each point towards the area-weighted middle of its faces within the tangent plane, then onto the
 // target. All move at once from the old positions; a move that would fold a face is undone.
 void relax(CornerMesh& m, const SurfaceQuery& target, const std::vector<Vec3>& target_normal) {
+  const std::vector<std::uint8_t> on_rim = rim_points(m);
   std::vector<Vec3> goal(m.points.size());
   tbb::parallel_for(std::size_t{0}, m.points.size(), [&](std::size_t i) {
     const Id v = static_cast<Id>(i);
-    if (m.out[v] == kNone) return;
+    if (m.out[v] == kNone || on_rim[i]) return;
     const Vec3& p = m.points[v];
     Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
     double weight = 0;
@@ -121,12 +136,16 @@ void relax(CornerMesh& m, const SurfaceQuery& target, const std::vector<Vec3>& t
   });
   for (std::size_t i = 0; i < m.points.size(); ++i) {
     const Id v = static_cast<Id>(i);
-    if (m.out[v] == kNone) continue;
-    if (may_move(m, v, goal[i], kNone, 1e300)) m.points[v] = goal[i];
+    if (m.out[v] == kNone || on_rim[i]) continue;
+    if (keeps_direction(m, v, goal[i])) m.points[v] = goal[i];
   }
 }
 
 }  // namespace
+
+bool keeps_direction(const CornerMesh& m, Id v, const Vec3& p) {
+  return may_move(m, v, p, kNone, std::numeric_limits<double>::infinity());
+}
 
 void split_long_edges(CornerMesh& m, double longer, Id first, bool patch_only) {
   const auto eligible = [&](Id h) {

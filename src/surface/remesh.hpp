@@ -14,14 +14,19 @@ namespace palpate::surface {
 void split_long_edges(CornerMesh& mesh, double longer, CornerMesh::Id first = 0,
                       bool patch_only = false);
 
-/// Collapses short edges in passes of growing length until few are shorter than `edge` [mm].
+/// Collapses short edges in passes of growing length until few are shorter than `edge` [mm]. Rims
+/// as below.
 /// @pre closed
 void thin(CornerMesh& mesh, double edge, const Progress& progress);
 
 /// Edges between 4/5 and 4/3 of `edge` [mm], valence near 6; points lie on `target`.
+/// Rims between scan and cap stay: their points move along them only.
 /// @pre closed
 /// @cite Botsch & Kobbelt 2004, "A remeshing approach to multiresolution modeling"
 void remesh(CornerMesh& mesh, const SurfaceQuery& target, double edge, int iterations,
             const Progress& progress);
+
+/// Whether no face around v turns by more than 60 degrees when v moves to p.
+[[nodiscard]] bool keeps_direction(const CornerMesh& mesh, CornerMesh::Id v, const Vec3& p);
 
 }  // namespace palpate::surface

@@ -11,6 +11,7 @@
 #include <numbers>
 
 #include "core/error.hpp"
+#include "surface/conform.hpp"
 #include "surface/holes.hpp"
 #include "surface/pockets.hpp"
 #include "surface/query.hpp"
@@ -79,8 +80,7 @@ Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge
     lost[i] = pockets.face[with_pockets.closest((p[a] + p[b] + p[c]) / 3).triangle];
   });
   m.remove_faces(pockets.face);
-  m.patch.assign(m.faces(), 0);
-  fill_holes(m, edge, progress);
+  fill_holes(m, edge, kPocketCover, progress);
   report.pockets_closed = pockets.count;
 
   std::size_t kept = 0;
@@ -94,10 +94,10 @@ Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge
   const auto shift = static_cast<Id>(base.mesh.points.size());
   base.mesh.points.insert(base.mesh.points.end(), m.points.begin(), m.points.end());
   for (Id h = 0; h < m.half_edges(); h += 3)
-    if (m.patch[h / 3]) {
+    if (m.patch[h / 3] == kPocketCover) {
       base.mesh.triangles.push_back(
           {m.corner[h] + shift, m.corner[h + 1] + shift, m.corner[h + 2] + shift});
-      base.patch.push_back(1);
+      base.patch.push_back(kPocketCover);
     }
   return base;
 }
@@ -113,11 +113,26 @@ SurfaceMesh wrapped(const SurfaceMesh& mesh, double edge, const Progress& progre
   return untangle(m, edge, progress) ? m.to_surface() : wrap;
 }
 
+// Points and triangle middles of the scan's part of the base, thinned where there are very many.
+std::vector<Vec3> scan_samples(const Base& base) {
+  constexpr std::size_t kEnough = 400'000;  // ten per triangle of a working mesh
+  std::vector<Vec3> samples;
+  const auto& p = base.mesh.points;
+  const std::size_t stride = 1 + 2 * base.mesh.triangles.size() / kEnough;
+  for (std::size_t i = 0; i < base.mesh.triangles.size(); i += stride) {
+    if (base.patch[i] != kScan) continue;
+    const auto& [a, b, c] = base.mesh.triangles[i];
+    samples.push_back((p[a] + p[b] + p[c]) / 3);
+    samples.push_back(p[i / stride % 3 == 0 ? a : i / stride % 3 == 1 ? b : c]);
+  }
+  return samples;
+}
+
 void flag_filled(WorkingSurface& w, const SurfaceQuery& query, const Base& base, double nearby) {
   w.filled.resize(w.mesh.points.size());
   tbb::parallel_for(std::size_t{0}, w.filled.size(), [&](std::size_t v) {
     const ClosestPoint c = query.closest(w.mesh.points[v]);
-    w.filled[v] = base.patch[c.triangle] || c.distance > nearby;
+    w.filled[v] = base.patch[c.triangle] != kScan || c.distance > nearby;
   });
 }
 
@@ -175,7 +190,7 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
   const std::vector<Vec3> scan_points = m.points;
   if (scan.triangles.size() > options.decimate_above) report.decimated_from = scan.triangles.size();
 
-  const HoleStatistics holes = fill_holes(m, edge, progress);
+  const HoleStatistics holes = fill_holes(m, edge, kCap, progress);
   report.holes_filled = holes.filled;
   report.largest_hole_mm = holes.largest_perimeter;
   check_volume(m);
@@ -194,6 +209,7 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
     remesh(m, *query, edge, kRimIterations, progress);
   }
 
+  conform(m, scan_samples(base), edge, progress);
   report.wrapped = !untangle(m, edge, progress);
   w.mesh = report.wrapped ? wrapped(m.to_surface(), edge, progress) : m.to_surface();
   flag_filled(w, *query, base, kNearby * edge);
