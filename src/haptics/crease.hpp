@@ -1,0 +1,23 @@
+// SPDX-License-Identifier: Apache-2.0
+// A sphere in a crease rests on more than one flank.
+#pragma once
+#include "haptics/contact.hpp"
+
+namespace palpate::haptics {
+
+/// Places the proxy sphere outside the skin near `center` and says on what it rests.
+/// @param nearest  the surface point that the proxy touches, as find_contact() keeps it
+/// @param behind   `center` lies inside the skin at that point
+///
+/// The proxy's centre G = C + sum_j lambda_j n_j is the point nearest to C that keeps the distance
+/// R from every flank: lambda >= 0 solves the complementarity problem
+///   A lambda >= e,  A_jj = 1,  A_jk = max(n_j . n_k, 0),
+/// e_j the depth of C against flank j. For two flanks at an angle below 90 degrees that is the
+/// exact projection; above it the flanks push independently, which agrees at 90 degrees and keeps
+/// the push finite between opposite walls. The projection is continuous in C, where the nearest
+/// point alone would jump from flank to flank and shake the hand. Flanks less than kCreaseAngle
+/// apart are one.
+[[nodiscard]] Contact rest_on_flanks(const ContactMesh& mesh, double radius, const Vec3& center,
+                                     const SurfacePoint& nearest, bool behind);
+
+}  // namespace palpate::haptics
