@@ -47,26 +47,42 @@ void MeshBuilder::finish(std::string_view element) const {
                      "export the mesh again; is the file cut?");
 }
 
-// The last face ends a - b - c - (first). With c cut to fewer digits the edges b-c and c-a would
-// join strangers; with corners missing the closing edge would be a diagonal.
+namespace {
+/// How the faces before the last use one of its edges.
+struct EdgeUse {
+  int same = 0, opposite = 0;
+  [[nodiscard]] bool possible() const { return same == 0 && opposite <= 1; }  // a manifold's
+  [[nodiscard]] bool confirmed() const { return possible() && opposite == 1; }
+};
+}  // namespace
+
+// The last face ends a - b - c (- first). With c cut to fewer digits the edges b-c and c-first
+// would join strangers, or vertices that other faces join already; with corners missing the edge
+// c-first would be a diagonal.
 void MeshBuilder::check_last_corner(bool relative) const {
   if (mesh.triangles.empty() || last_corners_ < 3) return;
   const auto n = static_cast<std::int64_t>(mesh.points.size());
   const Triangle last = mesh.triangles.back();
   const bool arity_known = only_triangles_ && last_corners_ == 3;
-  // 1-based formats write index + 1: a longer number starts at 10 (index + 1); 0-based at 10 index.
+  // A longer number starts at 10 (index + 1) where the format counts from 1, else at 10 index.
   const bool extendable = relative || 10 * std::int64_t{last[2]} < n;
   if (arity_known && !extendable) return;
-  bool closing = false, arriving = false;
+  EdgeUse arriving, closing;
+  const auto count = [](EdgeUse& use, std::int32_t p, std::int32_t q, std::int32_t from,
+                        std::int32_t to) {
+    use.same += p == from && q == to;
+    use.opposite += p == to && q == from;
+  };
   for (std::size_t t = 0; t + (last_corners_ - 2) < mesh.triangles.size(); ++t) {
     const Triangle& f = mesh.triangles[t];
     for (int k = 0; k < 3; ++k) {
-      const std::int32_t p = f[k], q = f[(k + 1) % 3];
-      closing |= (p == last[2] && q == last[0]) || (p == last[0] && q == last[2]);
-      arriving |= (p == last[2] && q == last[1]) || (p == last[1] && q == last[2]);
+      count(arriving, f[k], f[(k + 1) % 3], last[1], last[2]);
+      count(closing, f[k], f[(k + 1) % 3], last[2], last[0]);
     }
   }
-  if (arity_known ? (closing || arriving) : closing) return;
+  const bool possible = arriving.possible() && closing.possible();
+  const bool confirmed = closing.confirmed() || (arity_known && arriving.confirmed());
+  if (possible && confirmed) return;
   source_.fail("last line", "ends in the middle: the last face has no line end and fits no other",
                "export the mesh again, or end the last line if the file is whole");
 }

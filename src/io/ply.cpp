@@ -115,16 +115,17 @@ class PlyReader {
   static bool ascii() { return std::is_same_v<Body, TextBody>; }
 
   void check_counts() const {
-    // The last word of a text needs no blank behind it.
-    std::uint64_t left = body_.left() + (ascii() ? 1 : 0);
     bool vertices = false, faces = false;
     for (const PlyElement& e : header_.elements) {
+      if (e.name != "vertex" && e.name != "face") continue;
       bool& seen = e.name == "vertex" ? vertices : faces;
-      if (e.name == "vertex" || e.name == "face") {
-        if (seen) source_.fail("header", fmt::format("two elements '{}'", e.name), "export again");
-        seen = true;
-        out_.announce(e.name == "vertex" ? e.count : 0, e.name == "face" ? e.count : 0);
-      }
+      if (seen) source_.fail("header", fmt::format("two elements '{}'", e.name), "export again");
+      seen = true;
+      out_.announce(e.name == "vertex" ? e.count : 0, e.name == "face" ? e.count : 0);
+    }
+    // The last word of a text needs no blank behind it.
+    std::uint64_t left = body_.left() + (ascii() ? 1 : 0);
+    for (const PlyElement& e : header_.elements) {
       const std::uint64_t each = e.smallest_bytes(ascii());
       if (each > 0 ? e.count > left / each : e.count > kMaxVertices)
         source_.fail(

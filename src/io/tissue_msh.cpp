@@ -124,6 +124,8 @@ class MshReader {
         fail("the nodes of the skin are not the first ones");
     }
     if (name == "\"skin\"") mesh_.skin_points = set;
+    has_skin_ |= name == "\"skin\"";
+    has_held_ |= name == "\"held\"";
     expect("$EndNodeData");
   }
 
@@ -146,11 +148,14 @@ class MshReader {
 
   void finish() const {
     if (mesh_.nodes.empty() || mesh_.tets.empty()) fail("no tetrahedra");
+    if (!has_skin_ || !has_held_) fail("no $NodeData \"held\" and \"skin\"; is the file cut?");
   }
 
   const Source& source_;
   TextCursor text_;
   TissueMesh mesh_;
+  bool has_skin_ = false;
+  bool has_held_ = false;
 };
 
 }  // namespace

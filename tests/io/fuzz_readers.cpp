@@ -1,0 +1,71 @@
+// SPDX-License-Identifier: Apache-2.0
+// fuzz_readers [MUTATIONS [SEED]]: every reader on that many damaged files of each kind. Build it
+// with the asan preset (`make fuzz`); whatever a sanitizer or an unexpected exception finds ends
+// the run. The same seed gives the same files on every machine.
+#include <fmt/format.h>
+
+#include <cstdio>
+#include <cstdlib>
+#include <functional>
+
+#include "core/error.hpp"
+#include "io/head_file.hpp"
+#include "io/tissue_formats.hpp"
+#include "samples.hpp"
+
+using namespace palpate;
+using namespace palpate::io;
+
+namespace {
+
+/// @returns false where the file was refused; anything but InputError is a find
+bool accepts(const std::function<void(const std::string&)>& read, const std::string& bytes) {
+  try {
+    read(bytes);
+    return true;
+  } catch (const InputError&) {
+    return false;
+  }
+}
+
+void fuzz(const std::string& label, const std::string& good, long mutations, std::uint64_t seed,
+          const std::function<void(const std::string&)>& read) {
+  test::Random random(seed);
+  long accepted = 0;
+  for (long i = 0; i < mutations; ++i) {
+    const std::string bytes = test::mutated(good, random);
+    try {
+      accepted += accepts(read, bytes);
+    } catch (const std::exception& error) {
+      fmt::print("{}: mutation {} of seed {}: {}\n", label, i, seed, error.what());
+      if (FILE* file = std::fopen("fuzz_find.bin", "wb")) {
+        std::fwrite(bytes.data(), 1, bytes.size(), file);
+        std::fclose(file);
+      }
+      std::exit(1);
+    }
+  }
+  fmt::print("{:<12} {} files, {} read, {} refused\n", label, mutations, accepted,
+             mutations - accepted);
+  std::fflush(stdout);
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const long mutations = argc > 1 ? std::atol(argv[1]) : 10'000;
+  const std::uint64_t seed = argc > 2 ? std::strtoull(argv[2], nullptr, 10) : 1;
+  for (const test::SampleFile& file : test::sample_files(1))
+    fuzz(file.label, file.bytes, mutations, seed, [&file](const std::string& bytes) {
+      const ParsedMesh parsed = file.parse(Source{"fuzz", bytes, {}});
+      if (const auto defect = first_defect(parsed.mesh)) throw std::logic_error(*defect);
+    });
+  fuzz("head", head_bytes(test::sample_head(0)), mutations, seed, [](const std::string& bytes) {
+    (void)head_bytes_without_run(bytes, "fuzz");
+    (void)head_bytes(parse_head(bytes, "fuzz"));
+  });
+  fuzz("tissue", tissue_msh(test::sample_tissue()), mutations, seed, [](const std::string& bytes) {
+    (void)parse_tissue_msh({"fuzz", bytes, {}});
+  });
+  return 0;
+}
