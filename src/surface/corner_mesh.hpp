@@ -8,9 +8,10 @@
 
 namespace palpate::surface {
 
-/// What a face stands for. The rim between scan and cap is an edge of the scan and is kept sharp;
-/// the rim of a pocket runs through the middle of the skin and is smoothed.
-enum Patch : std::uint8_t { kScan = 0, kCap = 1, kPocketCover = 2 };
+/// What a face stands for. A cap closes a large opening, such as the neck: its rim is where the
+/// scan ends and is kept sharp. A cover closes a small hole or a pocket in the middle of the skin:
+/// its rim is blended.
+enum Patch : std::uint8_t { kScan = 0, kCap = 1, kCover = 2 };
 
 /// Half-edge h belongs to face h / 3 and runs from corner[h] to corner[next(h)]. An oriented
 /// 2-manifold, with or without border: each point has one fan of faces.
@@ -41,7 +42,7 @@ struct CornerMesh {
   /// An edge between scan and cap.
   [[nodiscard]] bool rim(Id h) const {
     const auto a = patch[h / 3], b = patch[twin[h] / 3];
-    return a != b && a != kPocketCover && b != kPocketCover;
+    return a != b && a != kCover && b != kCover;
   }
   /// Twice the area vector of the face of h.
   [[nodiscard]] Vec3 area_vector(Id h) const {

@@ -22,6 +22,10 @@ constexpr Id kNone = CornerMesh::kNone;
 // millisecond. More gives a slightly smaller area on long ragged loops.
 constexpr std::size_t kPolygon = 100;
 
+// [mm] Rim of an opening at which the scan ends. Eyes and a mouth have 80 to 150, a neck 350 or
+// more; a missing patch of the scalp may be on either side, and both treatments suit it.
+constexpr double kCapPerimeter = 250;
+
 using Polygon = std::vector<Id>;  // points in order, the new faces' own orientation
 using Faces = std::vector<std::array<Id, 3>>;
 
@@ -185,7 +189,7 @@ void relax_to_membrane(CornerMesh& m, Id first, const Progress& progress) {
 
 }  // namespace
 
-HoleStatistics fill_holes(CornerMesh& m, double edge, Patch kind, const Progress& progress) {
+HoleStatistics fill_holes(CornerMesh& m, double edge, const Progress& progress) {
   const auto loops = m.border_loops();
   HoleStatistics statistics;
   statistics.filled = loops.size();
@@ -195,7 +199,7 @@ HoleStatistics fill_holes(CornerMesh& m, double edge, Patch kind, const Progress
     for (const Id h : loop) perimeter += std::sqrt(m.length2(h));
     statistics.largest_perimeter = std::max(statistics.largest_perimeter, perimeter);
     progress.step("closing holes", 0.2);
-    close_loop(m, loop, kind);
+    close_loop(m, loop, perimeter > kCapPerimeter ? kCap : kCover);
   }
   m.rebuild_out();
   split_long_edges(m, 4.0 / 3.0 * edge, first, true);

@@ -14,8 +14,9 @@ struct HoleStatistics {
 };
 
 /// Closes every border loop: least-area triangulation of the loop, refined to `edge` [mm], relaxed
-/// to a membrane (a soap film on the loop). New faces get `kind`. The mesh is closed after it.
+/// to a membrane (a soap film on the loop). New faces are caps or covers by the
+/// length of their rim. The mesh is closed after it.
 /// @note Deterministic. O(n) in the loop's length beyond a constant.
-HoleStatistics fill_holes(CornerMesh& mesh, double edge, Patch kind, const Progress& progress);
+HoleStatistics fill_holes(CornerMesh& mesh, double edge, const Progress& progress);
 
 }  // namespace palpate::surface

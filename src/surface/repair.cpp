@@ -80,7 +80,7 @@ Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge
     lost[i] = pockets.face[with_pockets.closest((p[a] + p[b] + p[c]) / 3).triangle];
   });
   m.remove_faces(pockets.face);
-  fill_holes(m, edge, kPocketCover, progress);
+  fill_holes(m, edge, progress);
   report.pockets_closed = pockets.count;
 
   std::size_t kept = 0;
@@ -94,10 +94,10 @@ Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge
   const auto shift = static_cast<Id>(base.mesh.points.size());
   base.mesh.points.insert(base.mesh.points.end(), m.points.begin(), m.points.end());
   for (Id h = 0; h < m.half_edges(); h += 3)
-    if (m.patch[h / 3] == kPocketCover) {
+    if (m.patch[h / 3] == kCover) {
       base.mesh.triangles.push_back(
           {m.corner[h] + shift, m.corner[h + 1] + shift, m.corner[h + 2] + shift});
-      base.patch.push_back(kPocketCover);
+      base.patch.push_back(kCover);
     }
   return base;
 }
@@ -114,16 +114,17 @@ SurfaceMesh wrapped(const SurfaceMesh& mesh, double edge, const Progress& progre
 }
 
 // Points and triangle middles of the scan's part of the base, thinned where there are very many.
-std::vector<Vec3> scan_samples(const Base& base) {
+std::vector<SurfaceSample> scan_samples(const Base& base) {
   constexpr std::size_t kEnough = 400'000;  // ten per triangle of a working mesh
-  std::vector<Vec3> samples;
+  std::vector<SurfaceSample> samples;
   const auto& p = base.mesh.points;
   const std::size_t stride = 1 + 2 * base.mesh.triangles.size() / kEnough;
   for (std::size_t i = 0; i < base.mesh.triangles.size(); i += stride) {
     if (base.patch[i] != kScan) continue;
     const auto& [a, b, c] = base.mesh.triangles[i];
-    samples.push_back((p[a] + p[b] + p[c]) / 3);
-    samples.push_back(p[i / stride % 3 == 0 ? a : i / stride % 3 == 1 ? b : c]);
+    const Vec3 normal = (p[b] - p[a]).cross(p[c] - p[a]).stableNormalized();
+    samples.push_back({(p[a] + p[b] + p[c]) / 3, normal});
+    samples.push_back({p[i / stride % 3 == 0 ? a : i / stride % 3 == 1 ? b : c], normal});
   }
   return samples;
 }
@@ -136,21 +137,32 @@ void flag_filled(WorkingSurface& w, const SurfaceQuery& query, const Base& base,
   });
 }
 
-// 95th percentile of the distance from the scan's points to the working surface, over the points
-// that belong to the outer skin (not to a closed pocket).
-double deviation_p95(const std::vector<Vec3>& scan, const SurfaceMesh& working,
-                     const SurfaceQuery* with_pockets, const Pockets& pockets) {
-  const SurfaceQuery query(working);
-  std::vector<double> distance(scan.size(), -1);
-  tbb::parallel_for(std::size_t{0}, scan.size(), [&](std::size_t i) {
-    if (with_pockets && pockets.face[with_pockets->closest(scan[i]).triangle]) return;
-    distance[i] = query.closest(scan[i]).distance;
-  });
-  std::erase(distance, -1);
-  if (distance.empty()) return 0;
-  const auto at = distance.begin() + static_cast<std::ptrdiff_t>(0.95 * (distance.size() - 1));
-  std::nth_element(distance.begin(), at, distance.end());
+double percentile_95(std::vector<double>& values) {
+  if (values.empty()) return 0;
+  const auto at = values.begin() + static_cast<std::ptrdiff_t>(0.95 * (values.size() - 1));
+  std::nth_element(values.begin(), at, values.end());
   return *at;
+}
+
+// Distance of the scan's points to the working surface: of all, and of those that neither lie in a
+// pocket nor blend into a cover.
+void measure_deviation(const std::vector<Vec3>& scan, const SurfaceMesh& working,
+                       const std::vector<std::uint8_t>& near_cover,
+                       const SurfaceQuery* with_pockets, const Pockets& pockets,
+                       RepairReport& report) {
+  const SurfaceQuery query(working);
+  std::vector<double> all(scan.size()), skin(scan.size());
+  tbb::parallel_for(std::size_t{0}, scan.size(), [&](std::size_t i) {
+    const ClosestPoint c = query.closest(scan[i]);
+    const auto& [u, v, w] = working.triangles[c.triangle];
+    bool closed = near_cover[u] || near_cover[v] || near_cover[w];
+    if (!closed && with_pockets) closed = pockets.face[with_pockets->closest(scan[i]).triangle];
+    all[i] = c.distance;
+    skin[i] = closed ? -1 : c.distance;
+  });
+  std::erase(skin, -1);
+  report.deviation_p95_mm = percentile_95(skin);
+  report.deviation_all_p95_mm = percentile_95(all);
 }
 
 void describe(RepairReport& r) {
@@ -173,8 +185,9 @@ void describe(RepairReport& r) {
     r.lines.push_back(
         fmt::format("{} triangles were thinned for the working mesh", r.decimated_from));
   if (r.wrapped) r.lines.push_back("the surface passed through itself and was wrapped");
-  r.lines.push_back(fmt::format(
-      "95 % of the scan's points lie within {:.2f} mm of the working mesh", r.deviation_p95_mm));
+  r.lines.push_back(
+      fmt::format("95 % of the scan's points on open skin lie within {:.2f} mm of the working mesh",
+                  r.deviation_p95_mm));
 }
 
 }  // namespace
@@ -190,7 +203,7 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
   const std::vector<Vec3> scan_points = m.points;
   if (scan.triangles.size() > options.decimate_above) report.decimated_from = scan.triangles.size();
 
-  const HoleStatistics holes = fill_holes(m, edge, kCap, progress);
+  const HoleStatistics holes = fill_holes(m, edge, progress);
   report.holes_filled = holes.filled;
   report.largest_hole_mm = holes.largest_perimeter;
   check_volume(m);
@@ -209,11 +222,17 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
     remesh(m, *query, edge, kRimIterations, progress);
   }
 
+  blend_covers(m);
   conform(m, scan_samples(base), edge, progress);
   report.wrapped = !untangle(m, edge, progress);
-  w.mesh = report.wrapped ? wrapped(m.to_surface(), edge, progress) : m.to_surface();
+  std::vector<std::uint8_t> near_cover = near_covers(m);
+  w.mesh = m.to_surface();
+  if (report.wrapped) {
+    w.mesh = wrapped(w.mesh, edge, progress);
+    near_cover.assign(w.mesh.points.size(), 0);
+  }
   flag_filled(w, *query, base, kNearby * edge);
-  report.deviation_p95_mm = deviation_p95(scan_points, w.mesh, with_pockets.get(), pockets);
+  measure_deviation(scan_points, w.mesh, near_cover, with_pockets.get(), pockets, report);
   describe(report);
   return w;
 }

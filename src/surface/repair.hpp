@@ -26,13 +26,14 @@ struct RepairReport {
   std::size_t dropped_triangles = 0;  ///< of the other components
   bool winding_inverted = false;
   std::size_t holes_filled = 0;
-  double largest_hole_mm = 0;      ///< [mm] perimeter
-  std::size_t pockets_closed = 0;  ///< eye sockets, mouth, nostrils: see pockets.hpp
-  std::size_t decimated_from = 0;  ///< [triangles] 0 where nothing was thinned
-  bool wrapped = false;            ///< alpha wrap was needed
-  double deviation_p95_mm = 0;     ///< [mm] scan vertices to working surface, 95th percentile over
-                                   ///< those of the outer skin (not inside a closed pocket)
-  std::vector<std::string> lines;  ///< the same, one sentence each, for people
+  double largest_hole_mm = 0;       ///< [mm] perimeter
+  std::size_t pockets_closed = 0;   ///< eye sockets, mouth, nostrils: see pockets.hpp
+  std::size_t decimated_from = 0;   ///< [triangles] 0 where nothing was thinned
+  bool wrapped = false;             ///< alpha wrap was needed
+  double deviation_p95_mm = 0;      ///< [mm] scan vertices to working surface, 95th percentile over
+                                    ///< those that are not in or at the rim of a closed place
+  double deviation_all_p95_mm = 0;  ///< [mm] the same over all vertices of the kept piece
+  std::vector<std::string> lines;   ///< the same, one sentence each, for people
 };
 
 struct WorkingSurface {

@@ -69,7 +69,7 @@ bool untangle(CornerMesh& m, double edge, const Progress& progress) {
       grow(m, meets, 1 + round - kSmoothRounds);
       m.remove_faces(meets);
       if (m.faces() == 0) return false;
-      fill_holes(m, edge, kPocketCover, progress);
+      fill_holes(m, edge, progress);
     }
   }
   return count(meeting_faces(m)) == 0;
