@@ -21,8 +21,10 @@ std::vector<std::string> expand_config(CLI::App& app, std::vector<std::string> w
     const bool joined = words[i].starts_with("--config=");
     if (!joined && (words[i] != "--config" || i + 1 >= words.size())) continue;
     const std::string file = joined ? words[i].substr(9) : words[i + 1];
-    const CLI::App* sub = app.get_subcommand_no_throw(words.front());
-    if (!sub) return words;
+    const auto subs =
+        app.get_subcommands([&](const CLI::App* one) { return one->get_name() == words.front(); });
+    if (subs.empty()) return words;
+    const CLI::App* sub = subs.front();
     std::set<std::string> known;
     for (const CLI::Option* option : sub->get_options())
       for (const std::string& name : option->get_lnames())

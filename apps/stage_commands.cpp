@@ -70,7 +70,7 @@ void run_place(Command& c) {
   SurfaceMesh mesh = transformed(skull.mesh, placed.linear, placed.translation);
   mesh = transformed(mesh, frame.rotation.transpose(), frame.origin);
   io::write_surface(c.output, mesh);
-  print_result(c, {{"residuals_mm", placed.residuals}},
+  print_result(c, {{"residuals_mm", placed.residuals_mm}},
                fmt::format("skull template placed: {} (scan frame, mm)\n", c.output.string()));
 }
 

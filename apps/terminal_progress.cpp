@@ -24,6 +24,8 @@ std::string clock_time(double seconds) {
   return s < 60 ? fmt::format("{} s", s) : fmt::format("{} min {:02} s", s / 60, s % 60);
 }
 
+constexpr double kWorthALine = 0.5;  // [s] shorter steps leave no line behind
+
 class StageLine {
  public:
   explicit StageLine(bool terminal) : terminal_(terminal) {}
@@ -50,13 +52,18 @@ class StageLine {
     std::string left;
     if (fraction > 0.02 && seconds > 1)
       left = ", " + clock_time(seconds * (1 - fraction) / fraction) + " left";
-    fmt::print(stderr, "\r\033[K{:<10} {:3.0f} %{}", stage_, 100 * fraction, left);
+    fmt::print(stderr, "\r\033[K{:<28} {:3.0f} %{}", stage_, 100 * fraction, left);
     std::fflush(stderr);
   }
   void finish() {
     if (stage_.empty()) return;
-    fmt::print(stderr, "{}{:<10} {}\n", terminal_ ? "\r\033[K" : "", stage_,
-               clock_time(elapsed(std::chrono::steady_clock::now())));
+    const double seconds = elapsed(std::chrono::steady_clock::now());
+    if (seconds < kWorthALine) {
+      if (terminal_) fmt::print(stderr, "\r\033[K");
+      stage_.clear();
+      return;
+    }
+    fmt::print(stderr, "{}{:<28} {}\n", terminal_ ? "\r\033[K" : "", stage_, clock_time(seconds));
     stage_.clear();
   }
 
