@@ -3,6 +3,7 @@
 
 #include <tbb/parallel_for.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 
@@ -15,8 +16,18 @@ constexpr Id kNone = CornerMesh::kNone;
 // [-] cosine of the largest turn (60 degrees) of a face's normal in one edit: more is a fold.
 constexpr double kMaxTurn = 0.5;
 
-// Whether every face around v, but those of the edge to `gone`, keeps its direction and its edges
-// stay below the limit when v moves to p.
+// [-] height over longest edge below which a face is a sliver; 0.87 is equilateral. Edits never
+// make one where there was none, and flips remove them.
+constexpr double kSliver = 0.2;
+
+double height_ratio(const Vec3& a, const Vec3& b, const Vec3& c) {
+  const double longest2 =
+      std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()});
+  return longest2 > 0 ? (b - a).cross(c - a).norm() / longest2 : 0;
+}
+
+// Whether every face around v, but those of the edge to `gone`, keeps its direction and shape and
+// its edges stay below the limit when v moves to p.
 bool may_move(const CornerMesh& m, Id v, const Vec3& p, Id gone, double limit2) {
   bool ok = true;
   m.around(v, [&](Id h) {
@@ -26,9 +37,11 @@ bool may_move(const CornerMesh& m, Id v, const Vec3& p, Id gone, double limit2) 
     if (b == gone || c == gone) return;
     const Vec3 old = m.area_vector(h);
     const Vec3 now = (m.points[b] - p).cross(m.points[c] - p);
-    const double scale = old.norm() * now.norm();
+    const double shape = height_ratio(p, m.points[b], m.points[c]);
+    const double old_shape = height_ratio(m.points[v], m.points[b], m.points[c]);
     // A face without area has no direction to keep; one that would lose its area is refused.
-    if (now.squaredNorm() == 0 || (old.squaredNorm() > 0 && old.dot(now) < kMaxTurn * scale))
+    if (shape == 0 || shape < std::min(kSliver, old_shape) ||
+        (old_shape > 0 && old.dot(now) < kMaxTurn * old.norm() * now.norm()))
       ok = false;
   });
   return ok;
@@ -65,39 +78,49 @@ std::size_t collapse_shorter(CornerMesh& m, double shorter, double limit) {
   return done;
 }
 
-// Flips towards valence 6 where the four points are nearly in one plane.
-void even_valences(CornerMesh& m, std::vector<int>& valence) {
-  const auto excess = [](int a, int b, int c, int d) {
-    const auto sq = [](int v) { return (v - 6) * (v - 6); };
-    return sq(a) + sq(b) + sq(c) + sq(d);
-  };
-  for (Id h = 0; h < m.half_edges(); ++h) {
-    if (!m.alive(h) || h > m.twin[h]) continue;
-    if (m.patch[h / 3] != m.patch[m.twin[h] / 3]) continue;  // faces keep what they stand for
-    const Id g = m.twin[h], a = m.from(h), b = m.to(h), c = m.apex(h), d = m.apex(g);
-    const int va = valence[a], vb = valence[b], vc = valence[c], vd = valence[d];
-    if (va <= 3 || vb <= 3) continue;
-    if (excess(va - 1, vb - 1, vc + 1, vd + 1) >= excess(va, vb, vc, vd)) continue;
-    const Vec3 n1 = m.area_vector(h), n2 = m.area_vector(g), mean = n1 + n2;
-    const auto& p = m.points;
-    const Vec3 m1 = (p[c] - p[d]).cross(p[a] - p[d]), m2 = (p[d] - p[c]).cross(p[b] - p[c]);
-    const double size = mean.norm();
-    if (m1.dot(mean) < kMaxTurn * m1.norm() * size || m2.dot(mean) < kMaxTurn * m2.norm() * size)
-      continue;
-    // The new edge may not cut a corner that the old one followed.
-    constexpr double kFlat = 0.8;  // [-] cosine of the fold along the old edge (37 degrees)
-    if (n1.dot(n2) < kFlat * n1.norm() * n2.norm()) continue;
-    if (!m.can_flip(h)) continue;
-    m.flip(h);
-    --valence[a], --valence[b], ++valence[c], ++valence[d];
-  }
-}
-
 std::vector<int> valences(const CornerMesh& m) {
   std::vector<int> valence(m.points.size(), 0);
   for (const Id v : m.corner)
     if (v != kNone) ++valence[v];
   return valence;
+}
+
+// Whether the edge of h may become the other diagonal without a fold, and should: to even out
+// valences where the four points are nearly in one plane, or to be rid of a sliver.
+bool wants_flip(const CornerMesh& m, Id h, const std::vector<int>& valence) {
+  const Id g = m.twin[h], a = m.from(h), b = m.to(h), c = m.apex(h), d = m.apex(g);
+  if (valence[a] <= 3 || valence[b] <= 3) return false;
+  const auto& p = m.points;
+  const double shape_old = std::min(height_ratio(p[a], p[b], p[c]), height_ratio(p[b], p[a], p[d]));
+  const double shape_new = std::min(height_ratio(p[d], p[c], p[a]), height_ratio(p[c], p[d], p[b]));
+  const bool sliver = shape_old < kSliver && shape_new > shape_old;
+  const auto excess = [&](Id v, int change) {
+    const int e = valence[v] + change - 6;
+    return e * e;
+  };
+  const bool evener = excess(a, -1) + excess(b, -1) + excess(c, 1) + excess(d, 1) <
+                      excess(a, 0) + excess(b, 0) + excess(c, 0) + excess(d, 0);
+  if (!sliver && !(evener && shape_new >= std::min(kSliver, shape_old))) return false;
+
+  const Vec3 n1 = m.area_vector(h), n2 = m.area_vector(g), mean = n1 + n2;
+  const Vec3 m1 = (p[c] - p[d]).cross(p[a] - p[d]), m2 = (p[d] - p[c]).cross(p[b] - p[c]);
+  const double size = kMaxTurn * mean.norm();
+  if (m1.dot(mean) < m1.norm() * size || m2.dot(mean) < m2.norm() * size) return false;
+  // The new edge may not cut a corner that the old one followed. A sliver has no direction.
+  constexpr double kFlat = 0.8;  // [-] cosine of the fold along the old edge (37 degrees)
+  return sliver || n1.dot(n2) >= kFlat * n1.norm() * n2.norm();
+}
+
+void flip_edges(CornerMesh& m) {
+  std::vector<int> valence = valences(m);
+  for (Id h = 0; h < m.half_edges(); ++h) {
+    if (!m.alive(h) || h > m.twin[h]) continue;
+    if (m.patch[h / 3] != m.patch[m.twin[h] / 3]) continue;  // faces keep what they stand for
+    if (!wants_flip(m, h, valence) || !m.can_flip(h)) continue;
+    --valence[m.from(h)], --valence[m.to(h)];
+    m.flip(h);
+    ++valence[m.from(h)], ++valence[m.to(h)];
+  }
 }
 
 // The nearest point of the target whose side faces the same way; p itself where there is none, so
@@ -173,8 +196,7 @@ void thin(CornerMesh& m, double edge, const Progress& progress) {
     progress.step("thinning", length / edge);
     collapse_shorter(m, length, 2 * length);
     m.compact();
-    auto valence = valences(m);
-    even_valences(m, valence);
+    flip_edges(m);
   }
 }
 
@@ -186,10 +208,10 @@ void remesh(CornerMesh& m, const SurfaceQuery& target, double edge, int iteratio
     split_long_edges(m, 4.0 / 3.0 * edge);
     collapse_shorter(m, 4.0 / 5.0 * edge, 4.0 / 3.0 * edge);
     m.compact();
-    auto valence = valences(m);
-    even_valences(m, valence);
+    flip_edges(m);
     relax(m, target, target_normal);
   }
+  flip_edges(m);
 }
 
 }  // namespace palpate::surface
