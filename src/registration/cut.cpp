@@ -84,6 +84,7 @@ ScanEnds find_scan_ends(const HeadSurface& head, const CutOptions& options) {
   const std::vector<Vec3> normals = triangle_normals(mesh);
   const Neighbours across = edge_neighbours(mesh);
   ScanEnds ends;
+  ends.cap.assign(mesh.points.size(), 0);
   ends.no_scan.assign(mesh.points.size(), 0);
   for (std::size_t i = 0; i < head.filled.size(); ++i) ends.no_scan[i] = head.filled[i];
 
@@ -97,23 +98,22 @@ ScanEnds find_scan_ends(const HeadSurface& head, const CutOptions& options) {
     return normals[seed].dot(normals[t]) > flat &&
            std::abs(normals[seed].dot(between)) < options.flat_height;
   };
-  const auto keep = [&](const std::vector<std::vector<std::int32_t>>& found, bool mark) {
+  const auto keep = [&](const std::vector<std::vector<std::int32_t>>& found) {
     for (const std::vector<std::int32_t>& patch : found) {
       const CutPlane plane = plane_of(mesh, normals, patch);
       if (plane.area_mm2 < options.least_area) continue;
       ends.planes.push_back(plane);
-      if (!mark) continue;
       for (const std::int32_t t : patch)
-        for (const std::int32_t v : mesh.triangles[t]) ends.no_scan[v] = 1;
+        for (const std::int32_t v : mesh.triangles[t]) ends.cap[v] = ends.no_scan[v] = 1;
     }
   };
-  keep(patches(across, filled, [](auto, auto) { return true; }), false);
+  keep(patches(across, filled, [](auto, auto) { return true; }));
   const std::vector<std::uint8_t> from_repair = ends.no_scan;
   const auto scanned = [&](std::size_t t) {
     const Triangle& c = mesh.triangles[t];
     return !(from_repair[c[0]] && from_repair[c[1]] && from_repair[c[2]]);
   };
-  keep(patches(across, scanned, coplanar), true);
+  keep(patches(across, scanned, coplanar));
   std::stable_sort(ends.planes.begin(), ends.planes.end(),
                    [](const CutPlane& a, const CutPlane& b) { return a.area_mm2 > b.area_mm2; });
   return ends;

@@ -28,6 +28,7 @@ struct CutPlane {
 
 struct ScanEnds {
   std::vector<CutPlane> planes;       ///< by falling area
+  std::vector<std::uint8_t> cap;      ///< per point: 1 on one of the planes' patches
   std::vector<std::uint8_t> no_scan;  ///< per point: 1 on a cap or where repair closed a hole
 };
 

@@ -18,7 +18,9 @@ constexpr double kMostTurn = 0.15;
 constexpr double kMostScale = 0.08;
 /// [mm] largest motion of a point in one step of the spline stage: the linearisation's reach.
 constexpr double kMostMotion = 8;
-constexpr int kHalvings = 5;
+constexpr int kHalvings = 8;
+/// [-] of the mean diagonal: control points that no bone reaches stay determined.
+constexpr double kDamping = 1e-8;
 constexpr double kStiffer = 3;  ///< [-] per retry where the map came close to folding
 constexpr int kRetries = 4;
 
@@ -65,8 +67,8 @@ Eigen::Matrix<double, N, 1> gauss_newton_step(const Linearisation& lin, Jacobian
 int solve_similarity(const Problem& p, Mat3& linear, Vec3& translation) {
   std::vector<Vec3> x = positions_of(p, linear, translation);
   for (int it = 1; it <= p.options.depth.max_iterations; ++it) {
-    const auto use = trusted(p.points, x, normals_of(p, linear), p.skin, p.options);
-    const Linearisation lin = linearise(p.points, x, use, p.skin, p.options);
+    const Standing now = standing(p.points, x, normals_of(p, linear), p.skin, p.options);
+    const Linearisation lin = linearise(p.points, x, now, p.skin, p.options);
     const Vec3 center = bounding_box(x).center();
     using V7 = Eigen::Matrix<double, 7, 1>;
     const V7 step = gauss_newton_step<7>(
@@ -113,8 +115,8 @@ int solve_affine(const Problem& p, Mat3& linear, Vec3& translation) {
   using V12 = Eigen::Matrix<double, 12, 1>;
   using M12 = Eigen::Matrix<double, 12, 12>;
   for (int it = 1; it <= p.options.depth.max_iterations; ++it) {
-    const auto use = trusted(p.points, x, normals_of(p, linear), p.skin, p.options);
-    const Linearisation lin = linearise(p.points, x, use, p.skin, p.options);
+    const Standing now = standing(p.points, x, normals_of(p, linear), p.skin, p.options);
+    const Linearisation lin = linearise(p.points, x, now, p.skin, p.options);
     Eigen::Matrix<double, 9, 1> current;
     for (int a = 0; a < 3; ++a)
       for (int b = 0; b < 3; ++b) current[3 * a + b] = strain(a, b);
@@ -227,13 +229,13 @@ int solve_spline(const Problem& p, SkullMap& map, double& energy, const Progress
   int it = 0;
   for (it = 1; it <= p.options.depth.max_iterations; ++it) {
     progress.step("fit", 0.2 + 0.6 * it / p.options.depth.max_iterations);
-    const auto use = trusted(p.points, x, normals_of(p, map), p.skin, p.options);
-    const Linearisation lin = linearise(p.points, x, use, p.skin, p.options);
+    const Standing now = standing(p.points, x, normals_of(p, map), p.skin, p.options);
+    const Linearisation lin = linearise(p.points, x, now, p.skin, p.options);
     Eigen::MatrixXd hessian = s.stiffness;
     Eigen::Map<const Eigen::VectorXd> u(map.control.data(), map.control.size());
     Eigen::VectorXd rhs = -(s.stiffness * u);
     add_rows(p, s, map, lin, hessian, rhs);
-    hessian.diagonal().array() += 1e-9 * hessian.trace() / (3 * n);
+    hessian.diagonal().array() += kDamping * hessian.trace() / (3 * n);
     const Eigen::VectorXd step = hessian.llt().solve(rhs);
     const Eigen::MatrixX3d change = Eigen::Map<const Eigen::MatrixX3d>(step.data(), n, 3);
 
@@ -245,7 +247,7 @@ int solve_spline(const Problem& p, SkullMap& map, double& energy, const Progress
     for (int half = 0; half <= kHalvings; ++half, share *= 0.5) {
       trial.control = map.control + share * change;
       moved = positions_of(p, s, trial);
-      energy = linearise(p.points, moved, use, p.skin, p.options).energy +
+      energy = linearise(p.points, moved, now, p.skin, p.options).energy +
                stiffness_energy(s, trial.control);
       if (energy < before) break;
     }

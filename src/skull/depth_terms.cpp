@@ -10,6 +10,10 @@
 namespace palpate::skull {
 namespace {
 
+/// The auricle's centre lies beside the ear canal: it says how high and how far back the porion is.
+constexpr std::array<std::pair<const char*, const char*>, 2> kEars = {
+    {{"ear_left", "po_left"}, {"ear_right", "po_right"}}};
+
 using Cell = std::array<int, 3>;
 
 Cell cell_of(const Vec3& p, double size) {
@@ -82,30 +86,41 @@ std::vector<FitPoint> make_fit_points(const HeadSurface& head, const SkullTempla
     p.kind = FitPoint::Kind::registration;
     p.rest = pair.from;
     p.target = pair.to;
-    p.sd = o.registration_sd;
-    p.weight = 1;
+    p.precision.setConstant(1 / (o.registration_sd * o.registration_sd));
+    points.push_back(p);
+  }
+  for (const auto& [ear, porion] : kEars) {
+    const auto on_head = head.landmarks.find(ear);
+    const auto on_skull = skull.landmarks.find(porion);
+    if (on_head == head.landmarks.end() || on_skull == skull.landmarks.end()) continue;
+    FitPoint p;
+    p.kind = FitPoint::Kind::registration;
+    p.rest = on_skull->second.position;
+    p.target = on_head->second.position;
+    p.precision = Vec3(0, 1, 1) / (o.ear_sd * o.ear_sd);
     points.push_back(p);
   }
   return points;
 }
 
-std::vector<std::uint8_t> trusted(const std::vector<FitPoint>& points,
-                                  const std::vector<Vec3>& positions,
-                                  const std::vector<Vec3>& normals, const SkinField& skin,
-                                  const FitOptions& options) {
-  std::vector<std::uint8_t> use(points.size(), 1);
+Standing standing(const std::vector<FitPoint>& points, const std::vector<Vec3>& positions,
+                  const std::vector<Vec3>& normals, const SkinField& skin,
+                  const FitOptions& options) {
+  Standing s{std::vector<std::uint8_t>(points.size(), 0),
+             std::vector<std::uint8_t>(points.size(), 0)};
   for (std::size_t i = 0; i < points.size(); ++i) {
     if (points[i].kind == FitPoint::Kind::registration) continue;
     const SkinDepth d = skin.at(positions[i]);
     const bool facing = points[i].kind == FitPoint::Kind::landmark ||
                         normals[i].dot(-d.gradient) > options.depth.facing;
-    use[i] = d.known && facing;
+    s.drawn[i] = d.known && facing && points[i].weight > 0;
+    s.limited[i] = !d.open && points[i].limit_weight > 0;
   }
-  return use;
+  return s;
 }
 
 Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<Vec3>& positions,
-                        const std::vector<std::uint8_t>& use, const SkinField& skin,
+                        const Standing& standing, const SkinField& skin,
                         const FitOptions& options) {
   const DepthFitOptions& o = options.depth;
   const double limit = options.clearance + o.limit_margin;
@@ -116,21 +131,20 @@ Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<V
     const auto index = static_cast<std::int32_t>(i);
     if (p.kind == FitPoint::Kind::registration) {
       const Vec3 left = p.target - positions[i];
-      const double weight = p.weight / (p.sd * p.sd);
-      out.energy += 0.5 * weight * left.squaredNorm();
-      for (int a = 0; a < 3; ++a) out.rows.push_back({index, Vec3::Unit(a), left[a], weight});
+      out.energy += 0.5 * left.cwiseAbs2().dot(p.precision);
+      for (int a = 0; a < 3; ++a)
+        if (p.precision[a] > 0) out.rows.push_back({index, Vec3::Unit(a), left[a], p.precision[a]});
       continue;
     }
-    const bool drawn = use[i] && p.weight > 0;
-    if (!drawn && p.limit_weight == 0) continue;
+    if (!standing.drawn[i] && !standing.limited[i]) continue;
     const SkinDepth d = skin.at(positions[i]);
-    if (drawn) {
+    if (standing.drawn[i]) {
       const double r = std::abs(d.depth - p.mean) / p.sd;
       const double damping = r > o.huber ? o.huber / r : 1.0;
       out.energy += p.weight * (r > o.huber ? o.huber * (r - 0.5 * o.huber) : 0.5 * r * r);
       out.rows.push_back({index, d.gradient, p.mean - d.depth, p.weight * damping / (p.sd * p.sd)});
     }
-    if (p.limit_weight > 0 && d.depth < limit && !skin.beyond_scan(positions[i])) {
+    if (standing.limited[i] && d.depth < limit) {
       const double weight = p.limit_weight * limit_stiffness;
       out.energy += 0.5 * weight * (limit - d.depth) * (limit - d.depth);
       out.rows.push_back({index, d.gradient, limit - d.depth, weight});

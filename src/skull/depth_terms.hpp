@@ -17,10 +17,12 @@ struct FitPoint {
   Vec3 rest = Vec3::Zero();    ///< [mm] template
   Vec3 normal = Vec3::Zero();  ///< [-] template; bone only
   double mean = 0;             ///< [mm] expected depth
-  double sd = 1;               ///< [mm] its spread, or of the registration point
+  double sd = 1;               ///< [mm] its spread
   double weight = 0;  ///< [-] independent observations that the point stands for; 0: limits only
   double limit_weight = 0;     ///< [-] the same, of the clearance
   Vec3 target = Vec3::Zero();  ///< [mm] head; registration only
+  Vec3 precision =
+      Vec3::Zero();  ///< [1/mm^2] of the target, per axis of the head frame; registration only
 };
 
 /// weight/2 * (residual - direction . step)^2, the model of one term around the current positions.
@@ -44,19 +46,22 @@ struct Linearisation {
                                                     const DepthModel& model,
                                                     const FitOptions& options);
 
-/// 1 for the points whose depth can be trusted where they are now: scanned skin nearest, and for
-/// bone facing it.
+/// What may be asked of each point where it is now; kept while a step is tried, so that the energy
+/// is continuously differentiable.
+struct Standing {
+  std::vector<std::uint8_t> drawn;    ///< scanned skin is nearest, and bone faces it
+  std::vector<std::uint8_t> limited;  ///< the scan does not end here
+};
 /// @param normals  [-] of the points, head frame
-[[nodiscard]] std::vector<std::uint8_t> trusted(const std::vector<FitPoint>& points,
-                                                const std::vector<Vec3>& positions,
-                                                const std::vector<Vec3>& normals,
-                                                const SkinField& skin, const FitOptions& options);
+[[nodiscard]] Standing standing(const std::vector<FitPoint>& points,
+                                const std::vector<Vec3>& positions,
+                                const std::vector<Vec3>& normals, const SkinField& skin,
+                                const FitOptions& options);
 
-/// Depth terms of the trusted points (Huber), clearance of every point within the scan (one-sided,
-/// quadratic), registration points (quadratic). Continuously differentiable for fixed `use`.
+/// Depth terms of the drawn points (Huber), clearance of the limited ones (one-sided, quadratic),
+/// registration points (quadratic).
 [[nodiscard]] Linearisation linearise(const std::vector<FitPoint>& points,
-                                      const std::vector<Vec3>& positions,
-                                      const std::vector<std::uint8_t>& use, const SkinField& skin,
-                                      const FitOptions& options);
+                                      const std::vector<Vec3>& positions, const Standing& standing,
+                                      const SkinField& skin, const FitOptions& options);
 
 }  // namespace palpate::skull

@@ -9,6 +9,8 @@
 
 #include "core/error.hpp"
 #include "registration/place.hpp"
+#include "skull/clearance.hpp"
+#include "skull/clip.hpp"
 #include "skull/depth_fit.hpp"
 #include "skull/depth_model.hpp"
 #include "skull/depth_terms.hpp"
@@ -17,6 +19,10 @@
 
 namespace palpate::skull {
 namespace {
+
+constexpr double kClipMargin = 0.2;  ///< [mm] cut faces keep this beyond the clearance
+constexpr double kOpenShare = 0.8;   ///< [-] of the bone behind a plane that must lack skin
+constexpr double kCutEdge = 3.0;     ///< [mm] triangles of a cut face: the template's own
 
 void set_statistics(SkullFit& fit, const SkinField& skin, double clearance) {
   double least = std::numeric_limits<double>::infinity();
@@ -33,15 +39,20 @@ void set_statistics(SkullFit& fit, const SkinField& skin, double clearance) {
   fit.statistics["min_clearance_mm"] = least;
 }
 
-void set_depths(SkullFit& fit, const SkinField& skin, const std::vector<TissueDepth>& table) {
+void set_depths(SkullFit& fit, const SkullTemplate& skull, const SkinField& skin,
+                const std::vector<TissueDepth>& table) {
   double sum = 0, squares = 0;
   int rows = 0, within = 0, with_sd = 0;
-  for (const auto& [code, landmark] : fit.landmarks) {
+  for (const auto& [code, on_template] : skull.landmarks) {
     const TissueDepth* published = find_depth(table, code);
     if (!published) continue;
-    const SkinDepth found = skin.at(landmark.position);
-    DepthRow row{code, published->mean_mm, published->sd_mm, found.depth, found.known};
-    if (!row.reached) row.depth_mm = std::numeric_limits<double>::quiet_NaN();
+    DepthRow row{code, published->mean_mm, published->sd_mm,
+                 std::numeric_limits<double>::quiet_NaN(), false};
+    if (const auto at = fit.landmarks.find(code); at != fit.landmarks.end()) {
+      const SkinDepth found = skin.at(at->second.position);
+      row.reached = found.known;
+      if (found.known) row.depth_mm = found.depth;
+    }
     fit.depths.push_back(row);
     if (!row.reached) continue;
     const double misfit = row.depth_mm - row.published_mm;
@@ -60,6 +71,62 @@ void set_depths(SkullFit& fit, const SkinField& skin, const std::vector<TissueDe
   if (with_sd > 0) fit.statistics["depth_rows_within_1.5_sd"] = double(within) / with_sd;
 }
 
+/// Planes behind which bone really is missing skin: most of what lies there is outside, or under a
+/// cap. A cap's plane also runs through places that the scan shows; bone there stays.
+std::vector<registration::CutPlane> planes_to_clip(const SkullFit& fit, const SkinField& skin,
+                                                   const FitOptions& options) {
+  std::vector<registration::CutPlane> planes;
+  for (registration::CutPlane plane : skin.ends().planes) {
+    plane.offset -= options.clearance + kClipMargin;
+    std::size_t behind = 0, open = 0;
+    for (const Vec3& p : fit.mesh.points) {
+      if (plane.normal.dot(p) <= plane.offset) continue;
+      ++behind;
+      open += skin.at(p).open;
+    }
+    if (behind > 0 && open >= kOpenShare * behind) planes.push_back(plane);
+  }
+  return planes;
+}
+
+void clip_at_scan_ends(SkullFit& fit, const SkinField& skin, const FitOptions& options) {
+  const std::vector<registration::CutPlane> planes = planes_to_clip(fit, skin, options);
+  fit.statistics["clipped_mm3"] = 0;
+  if (planes.empty()) return;
+  Clipped clipped = clip_closed(fit.mesh, planes, kCutEdge);
+  fit.mesh = std::move(clipped.mesh);
+  std::vector<SkullRegion> region;
+  for (const std::int32_t i : clipped.origin) region.push_back(fit.region[i]);
+  fit.region = std::move(region);
+  for (const registration::CutPlane& plane : planes)
+    std::erase_if(fit.landmarks, [&](const auto& entry) {
+      return plane.normal.dot(entry.second.position) > plane.offset;
+    });
+  fit.statistics["clipped_mm3"] = clipped.removed_mm3;
+  fit.warnings.push_back(fmt::format(
+      "the scan ends before the skull does: {:.0f} cm^3 of bone beyond its {} were cut off",
+      clipped.removed_mm3 / 1000, planes.size() == 1 ? "end" : "ends"));
+}
+
+void clear_the_skin(SkullFit& fit, const SkinField& skin, const FitOptions& options,
+                    const Progress& progress) {
+  std::vector<Vec3> riders;
+  for (const auto& [code, landmark] : fit.landmarks) riders.push_back(landmark.position);
+  ClearanceOptions clear;
+  clear.clearance = options.clearance;
+  const ClearanceReport report = keep_clear(fit.mesh.points, riders, skin, clear, progress);
+  std::size_t i = 0;
+  for (auto& [code, landmark] : fit.landmarks) landmark.position = riders[i++];
+  fit.statistics["pushed_count"] = static_cast<double>(report.pushed);
+  fit.statistics["largest_push_mm"] = report.largest_push;
+  if (report.remaining > 0)
+    throw SolveError(
+        fmt::format("{} points of the skull could not be kept {} mm under the skin; check the "
+                    "landmarks, or lower the clearance",
+                    report.remaining, options.clearance),
+        static_cast<double>(report.remaining));
+}
+
 SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const SkinField& skin,
                    const std::vector<TissueDepth>& table, const FitOptions& options,
                    const Progress& progress) {
@@ -76,6 +143,9 @@ SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const Sk
         solved.map(landmark.position),
         (solved.map.gradient(landmark.position).inverse().transpose() * landmark.normal)
             .stableNormalized()};
+  clip_at_scan_ends(fit, skin, options);
+  clear_the_skin(fit, skin, options, progress);
+  fit.statistics["self_intersections"] = double(count_self_intersections(fit.mesh));
   fit.statistics["placement_rms_mm"] = start.rms_mm;
   fit.statistics["iterations"] = solved.iterations;
   fit.statistics["energy"] = solved.energy;
@@ -94,7 +164,14 @@ SkullFit fit_skull(const HeadSurface& head, const SkullTemplate& skull,
                      ? fit_published(head, skull, options, progress)
                      : fit_depth(head, skull, skin, depths, options, progress);
   set_statistics(fit, skin, options.clearance);
-  set_depths(fit, skin, depths);
+  set_depths(fit, skull, skin, depths);
+  if (options.method == Method::published && fit.statistics["below_clearance_count"] > 0)
+    fit.warnings.push_back(fmt::format(
+        "the published fit has no target depth: {:.0f} % of the skull lie outside the skin and "
+        "{:.0f} % are closer to it than {} mm; use the default fit for anything but comparison",
+        100 * fit.statistics["outside_count"] / fit.statistics["vertex_count"],
+        100 * fit.statistics["below_clearance_count"] / fit.statistics["vertex_count"],
+        options.clearance));
   return fit;
 }
 

@@ -33,10 +33,11 @@ struct DepthFitOptions {
   double shear_sd = 0.02;   ///< [-] spread of shear
   double sampling = 5;      ///< [mm] grid of the bone points that are looked at
   double patch_area = 400;  ///< [mm^2] of bone that counts as one independent observation
-  double landmark_weight = 1;    ///< [-] observations per landmark of the table
-  double registration_sd = 4;    ///< [mm] spread of eye corners, alae and nose tip against bone
-  double facing = 0.3;           ///< [-] least cosine between bone normal and direction to the skin
-  double huber = 2;              ///< [sd] beyond which a misfit pulls no harder
+  double landmark_weight = 1;  ///< [-] observations per landmark of the table
+  double registration_sd = 4;  ///< [mm] spread of eye corners, alae and nose tip against bone
+  double ear_sd = 6;    ///< [mm] spread of the auricle's centre against the porion, up and back
+  double facing = 0.3;  ///< [-] least cosine between bone normal and direction to the skin
+  double huber = 2;     ///< [sd] beyond which a misfit pulls no harder
   double limit_margin = 0.3;     ///< [mm] on top of the clearance while fitting
   double limit_sd = 0.5;         ///< [mm] give of the clearance while fitting
   double least_jacobian = 0.3;   ///< [-] below it the spline is made stiffer and solved again

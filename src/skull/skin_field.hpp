@@ -14,6 +14,8 @@ struct SkinDepth {
   double depth = 0;              ///< [mm] shortest distance to the skin; negative outside
   Vec3 gradient = Vec3::Zero();  ///< [-] unit: where depth grows fastest
   bool known = false;            ///< the nearest skin was scanned and belongs to the head's shell
+  bool open = false;  ///< the scan ends here: the nearest skin is a cap, or the point lies outside
+                      ///< the skin and behind a cap's plane
 };
 
 /// A head's skin for depth queries. Re-entrant; queries allocate nothing.
@@ -24,14 +26,13 @@ class SkinField {
   [[nodiscard]] SkinDepth at(const Vec3& p) const;
   /// Depth alone, [mm].
   [[nodiscard]] double depth(const Vec3& p) const { return -query_.signed_distance(p); }
-  /// Whether the point lies where the scan ends or beyond.
-  [[nodiscard]] bool beyond_scan(const Vec3& p) const;
   [[nodiscard]] const registration::ScanEnds& ends() const { return ends_; }
   [[nodiscard]] const surface::SurfaceQuery& query() const { return query_; }
 
  private:
   surface::SurfaceQuery query_;
   registration::ScanEnds ends_;
+  std::vector<std::uint8_t> cap_;      // per triangle: part of a cap
   std::vector<std::uint8_t> unknown_;  // per triangle: filled, a cap, ear or neck
 };
 
