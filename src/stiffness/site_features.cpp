@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stiffness/site_features.hpp"
 
+#include <algorithm>
 #include <cmath>
 #include <numbers>
 
@@ -8,6 +9,8 @@ namespace palpate::stiffness {
 namespace {
 
 constexpr int kProbeSectors = 8;
+constexpr double kMostCurved =
+    1.5;  // [-] tool radius over radius of curvature; folds are cut there
 
 std::vector<std::vector<std::int32_t>> triangles_of_points(const SurfaceMesh& mesh) {
   std::vector<std::vector<std::int32_t>> of(mesh.points.size());
@@ -82,8 +85,9 @@ std::optional<SiteFeatures> site_features(const SiteFrame& frame, double tool_ra
     std::array<double, kProbeSectors> thickness, height;
     for (int s = 0; s < kProbeSectors; ++s) {
       thickness[s] = std::log(g.thickness[1 + r * kProbeSectors + s] / tool_radius);
-      height[s] = g.height[1 + r * kProbeSectors + s] * 2 * tool_radius /
-                  (rings[r].radius * rings[r].radius);
+      height[s] = std::clamp(g.height[1 + r * kProbeSectors + s] * 2 * tool_radius /
+                                 (rings[r].radius * rings[r].radius),
+                             -kMostCurved, kMostCurved);
     }
     const Harmonics t(thickness), h(height);
     f.shape.segment<5>(1 + 5 * static_cast<int>(r)) << t.mean, t.first, t.second, h.mean, h.second;

@@ -6,18 +6,13 @@
 #include "stiffness/sweep.hpp"
 
 #include <fmt/format.h>
-#include <tbb/enumerable_thread_specific.h>
-#include <tbb/parallel_for.h>
-#include <tbb/task_arena.h>
 
 #include <algorithm>
-#include <atomic>
-#include <chrono>
 #include <cmath>
 #include <limits>
 
 #include "stiffness/blend.hpp"
-#include "stiffness/site.hpp"
+#include "stiffness/press_sites.hpp"
 #include "stiffness/site_features.hpp"
 #include "stiffness/sites.hpp"
 
@@ -28,13 +23,6 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // [-] The default patch against refined ones, 3 to 25 mm of tissue, 0.5 to 5 N
 // (docs/method/sweep.md).
 constexpr double kDiscretisationError = 0.02;
-// [mm] The domain holds the fingertip's field: half as large is 3 % stiffer on 15 mm of tissue,
-// half as large again changes less than 0.5 %.
-constexpr double kDomainRadius = 43;
-constexpr double kDomainPerTool = 5.4;  // [-] domain radius over tool radius for larger tools
-constexpr int kLayers = 2;
-constexpr double kFirstLayerShare = 0.31;  // [-] of the tool's radius: thickest top layer
-
 void check(const HeadSurface& head, const SkullFit& skull, const SweepOptions& o) {
   if (head.skin.empty()) throw InputError("the working skin is empty; nothing to press");
   if (skull.mesh.empty()) throw InputError("the skull is empty; nothing holds the tissue");
@@ -49,43 +37,6 @@ void check(const HeadSurface& head, const SkullFit& skull, const SweepOptions& o
 
 bool is_organ(SkinRegion r) {
   return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
-}
-
-/// Everything that is computed once and shared by all sites.
-struct Ground {
-  const HeadSurface& head;
-  const SweepOptions& options;
-  surface::SurfaceQuery skin, bone;
-  SamplingLimits limits;
-  std::vector<SiteFrame> frames;
-  std::vector<double> forces;
-
-  Ground(const HeadSurface& h, const SkullFit& skull, const SweepOptions& o)
-      : head(h), options(o), skin(h.skin), bone(skull.mesh) {
-    limits.no_bone_beyond = o.no_bone_beyond;
-    const std::vector<Vec3> normals = smoothed_normals(h.skin, o.tool_radius);
-    for (std::size_t p = 0; p < normals.size(); ++p)
-      frames.push_back(site_frame(h.skin.points[p], normals[p]));
-    for (int i = 1; i <= o.loads; ++i) forces.push_back(o.max_force * i / o.loads);
-  }
-};
-
-/// Runs body(i) for i in [0, n) on the asked number of threads and reports the done fraction.
-template <class Body>
-void parallel(int n, const SweepOptions& options, const Progress& progress, double from, double to,
-              const Body& body) {
-  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
-  std::atomic<int> done = 0;
-  const int report_each = std::max(1, n / 200);
-  arena.execute([&] {
-    tbb::parallel_for(tbb::blocked_range<int>(0, n, 1), [&](const tbb::blocked_range<int>& range) {
-      for (int i = range.begin(); i != range.end(); ++i) {
-        body(i);
-        const int now = ++done;
-        if (now % report_each == 0) progress.step("sweep", from + (to - from) * now / n);
-      }
-    });
-  });
 }
 
 /// Step 1. Fills depth and status of the map; `blended` marks a point that is to have a curve.
@@ -112,62 +63,30 @@ std::vector<SiteFeatures> look_around(const Ground& ground, StiffnessMap& map,
   return features;
 }
 
-/// Step 2. Features, and position at a fifth of their weight, on equal footing.
+/// Step 2. What moves the curve most counts most: depths and curvatures in full, their unevenness
+/// around the site less; position in addition, so that no part of the head is left without a site.
 std::vector<std::int32_t> choose_sites(const Ground& ground, const StiffnessMap& map,
                                        const std::vector<SiteFeatures>& features) {
-  constexpr double kPositionWeight =
-      0.2;  // [-] per tool radius; more spreads sites evenly in space
+  constexpr double kUnevenness = 0.3;  // [-]
+  constexpr double kPosition = 0.35;   // [-] per tool radius; more spreads sites evenly in space
   std::vector<std::int32_t> candidates;
   for (std::size_t p = 0; p < map.size(); ++p)
     if (map.status[p] == VertexStatus::blended) candidates.push_back(static_cast<int>(p));
   if (candidates.empty()) return {};
   const Eigen::Index s = features[candidates[0]].shape.size();
+  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Ones(s);
+  for (Eigen::Index r = 1; r < s; r += 5)
+    weight[r + 1] = weight[r + 2] = weight[r + 4] = kUnevenness;
   Eigen::MatrixXd inputs(candidates.size(), s + 3);
   for (std::size_t i = 0; i < candidates.size(); ++i) {
-    inputs.row(i).head(s) = features[candidates[i]].shape;
+    inputs.row(i).head(s) = features[candidates[i]].shape.transpose().cwiseProduct(weight);
     inputs.row(i).tail(3) =
-        kPositionWeight / ground.options.tool_radius * ground.head.skin.points[candidates[i]];
+        kPosition / ground.options.tool_radius * ground.head.skin.points[candidates[i]];
   }
   std::vector<std::int32_t> sites =
       farthest_points(inputs, ground.options.sites, ground.options.seed);
   for (std::int32_t& i : sites) i = candidates[i];
   return sites;
-}
-
-PatchTemplate sweep_template(const SweepOptions& o) {
-  PatchRule rule =
-      default_rule(o.tool_radius, std::max(kDomainRadius, kDomainPerTool * o.tool_radius), kLayers);
-  rule.hold_rim = false;
-  return make_template(rule);
-}
-
-struct Solved {
-  std::vector<SiteCurve> curves;
-  int clamped = 0;  ///< sites whose near skin is no height field
-};
-
-/// Step 3.
-Solved press_sites(const Ground& ground, const std::vector<std::int32_t>& sites,
-                   const Progress& progress) {
-  const SweepOptions& o = ground.options;
-  const PatchTemplate tissue = sweep_template(o);
-  const fem::Cholesky analysed(tissue.topology.pattern);
-  const std::shared_ptr<const fem::EnergyDensity> law =
-      fem::neo_hookean(fem::lame_moduli(o.youngs_modulus, o.poissons_ratio));
-  const Tool tool{o.tool_radius, fem::default_penalty(o.youngs_modulus, o.tool_radius)};
-  tbb::enumerable_thread_specific<fem::Cholesky> workspace([&] { return fem::Cholesky(analysed); });
-  Solved solved;
-  solved.curves.resize(sites.size());
-  std::atomic<int> clamped = 0;
-  parallel(static_cast<int>(sites.size()), o, progress, 0.05, 0.95, [&](int i) {
-    const PatchGeometry g = sample_patch(tissue.columns, o.tool_radius, ground.frames[sites[i]],
-                                         ground.skin, ground.bone, ground.limits);
-    if (g.bent > 0) ++clamped;
-    solved.curves[i] = press_site(tissue, patch_nodes(tissue, g, kFirstLayerShare * o.tool_radius),
-                                  law, tool, ground.forces, workspace.local());
-  });
-  solved.clamped = clamped;
-  return solved;
 }
 
 void store(StiffnessMap& map, std::size_t p, const Eigen::VectorXd& travel, double error) {
@@ -176,8 +95,8 @@ void store(StiffnessMap& map, std::size_t p, const Eigen::VectorXd& travel, doub
 }
 
 /// Step 4. The learned curves on all points that have none yet.
-void blend(const Ground& ground, const std::vector<SiteFeatures>& features, const Solved& solved,
-           Sweep& out, const Progress& progress) {
+void blend(const Ground& ground, const std::vector<SiteFeatures>& features,
+           const PressedSites& solved, Sweep& out, const Progress& progress) {
   const double per_radius = 1 / ground.options.tool_radius;
   std::vector<std::size_t> good;
   for (std::size_t i = 0; i < out.sites.size(); ++i)
@@ -223,7 +142,7 @@ StiffnessMap empty_map(const Ground& ground) {
   return map;
 }
 
-void summarise(const Solved& solved, Sweep& out) {
+void summarise(const PressedSites& solved, Sweep& out) {
   double iterations = 0, projections = 0, failed = 0;
   for (const SiteCurve& c : solved.curves) {
     iterations += c.iterations;
@@ -233,6 +152,7 @@ void summarise(const Solved& solved, Sweep& out) {
   const double sites = static_cast<double>(std::max<std::size_t>(1, solved.curves.size()));
   out.statistics["sites"] = static_cast<double>(solved.curves.size());
   out.statistics["sites_failed"] = failed;
+  out.statistics["sites_in_double_precision"] = solved.in_double;
   out.statistics["sites_with_clamped_skin"] = solved.clamped;
   out.statistics["newton_steps_per_site"] = iterations / sites;
   out.statistics["projected_steps_per_site"] = projections / sites;
@@ -257,7 +177,7 @@ Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SweepOptions& 
   if (out.sites.empty())
     throw InputError(fmt::format("no point of the skin has bone within {} mm beneath it",
                                  options.no_bone_beyond));
-  const Solved solved = press_sites(ground, out.sites, progress);
+  const PressedSites solved = press_sites(ground, out.sites, out.map.depth, progress, 0.05, 0.95);
   blend(ground, features, solved, out, progress);
   for (std::size_t i = 0; i < out.sites.size(); ++i) {
     const std::int32_t p = out.sites[i];

@@ -1,0 +1,351 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Newton's method on all lanes in step. There is no energy in single precision that could judge a
+// step near the solution, so the line search looks for the zero of the slope along the step
+// instead: a step is taken when the slope has lost at least half of its size and no element is
+// inverted.
+#include "fem/lanes/batch.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdlib>
+#include <string_view>
+
+#include "core/error.hpp"
+#include "fem/contact.hpp"
+#include "fem/press.hpp"
+
+namespace palpate::fem::lanes {
+namespace {
+
+using LaneValues = std::array<float, kLanes>;
+
+// The slope left after a step, as a share of the first one, above which the step is cut. Skin that
+// meets the sphere within a step makes it steep, and the next step mends that faster than a cut.
+constexpr float kSlopeLeft = 2;
+constexpr float kDeepestCut = 0.5f, kShallowestCut = 0.7f;  // [-] of the step
+constexpr float kInvertedCut = 0.4f;                        // [-] of a step that inverts an element
+constexpr int kMostCuts = 12;                               // then the lane has failed
+constexpr float kFirstShift = 0.3f;  // [-] of mu: about the loss of stiffness that is met
+constexpr float kShiftGrowth = 5;    // [-]
+constexpr int kMostShifts = 5;
+
+/// 64-byte aligned floats, kLanes per entry.
+class LaneArray {
+ public:
+  explicit LaneArray(std::int64_t entries)
+      : size_(entries * kLanes),
+        data_(static_cast<float*>(std::aligned_alloc(64, size_ * sizeof(float)))) {
+    if (!data_) throw std::bad_alloc();
+    std::fill_n(data_.get(), size_, 0.0f);
+  }
+  float* data() { return data_.get(); }
+  float& at(std::int64_t entry, int lane) { return data_.get()[entry * kLanes + lane]; }
+  void zero() { std::fill_n(data_.get(), size_, 0.0f); }
+
+ private:
+  struct Free {
+    void operator()(float* p) const { std::free(p); }
+  };
+  std::int64_t size_;
+  std::unique_ptr<float[], Free> data_;
+};
+
+const Kernels& kernels_of(InstructionSet set) {
+  switch (set) {
+    case InstructionSet::avx512:
+      return kAvx512;
+    case InstructionSet::avx2:
+      return kAvx2;
+    case InstructionSet::baseline:
+      break;
+  }
+  return kBaseline;
+}
+
+}  // namespace
+
+InstructionSet best_instruction_set() {
+  const char* wish = std::getenv("PALPATE_ISA");
+  const std::string_view name = wish ? wish : "avx512";
+  __builtin_cpu_init();
+  const bool avx2 = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+  const bool avx512 = avx2 && __builtin_cpu_supports("avx512f") &&
+                      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512bw");
+  if (name == "avx512" && avx512) return InstructionSet::avx512;
+  if (name != "baseline" && avx2) return InstructionSet::avx2;
+  return InstructionSet::baseline;
+}
+
+struct BatchPress::Work {
+  const Topology& topology;
+  const Plan& plan;
+  PlanView view;
+  const Kernels& kernels;
+  LaneArray tet_geometry, face_position, face_area, start;
+  LaneArray factor, inverse_diagonal;
+  LaneArray x, trial, gradient, trial_gradient, step;
+  std::array<std::vector<float>, 3> history;  // x of the last loads, newest last
+  BatchView batch{};
+  std::vector<LaneCurve> lanes;
+  std::array<bool, kLanes> alive{};  // has converged at every load so far
+  std::array<std::vector<double>, kLanes> travel, squared;
+
+  Work(const Topology& t, const Plan& p, InstructionSet set)
+      : topology(t),
+        plan(p),
+        view(p.view()),
+        kernels(kernels_of(set)),
+        tet_geometry(static_cast<std::int64_t>(view.tets) * kTetGeometry),
+        face_position(static_cast<std::int64_t>(view.faces) * kFaceNodes * 3),
+        face_area(view.faces),
+        start(1),
+        factor(p.factor_entries),
+        inverse_diagonal(p.unknowns),
+        x(p.unknowns + 3),
+        trial(p.unknowns + 3),
+        gradient(p.unknowns + 3),
+        trial_gradient(p.unknowns + 3),
+        step(p.unknowns + 3) {}
+
+  int travel_slot() const { return plan.unknowns - 1; }
+  void set_geometry(std::span<const std::vector<Vec3>> patches, const BatchTool& tool);
+  void set_lane_geometry(int lane, const std::vector<Vec3>& nodes, double radius);
+  LaneValues evaluate(LaneArray& at, LaneArray& out, float force, LaneValues& squared_pressure);
+  LaneValues largest(LaneArray& a);
+  LaneValues dot(LaneArray& a, LaneArray& b);
+  void extrapolate(std::span<const double> forces, std::size_t load, std::size_t use,
+                   LaneArray& out);
+  void predict(std::span<const double> forces, std::size_t load);
+  bool newton_step(const std::array<bool, kLanes>& active);
+  void solve_load(std::span<const double> forces, std::size_t load, const BatchOptions& options);
+  void line_search(const std::array<bool, kLanes>& active, float force,
+                   LaneValues& squared_pressure);
+};
+
+void BatchPress::Work::set_lane_geometry(int lane, const std::vector<Vec3>& nodes, double radius) {
+  for (int t = 0; t < view.tets; ++t) {
+    const std::int32_t* n = &topology.tets[static_cast<std::size_t>(t) * kTetNodes];
+    Mat3 edges;
+    for (int m = 0; m < 3; ++m) edges.col(m) = nodes[n[m + 1]] - nodes[n[0]];
+    const Mat3 inverse = edges.inverse();  // row m is the gradient of barycentric coordinate m + 1
+    Eigen::Matrix<double, 4, 3> g;
+    g.bottomRows<3>() = inverse;
+    g.row(0) = -inverse.colwise().sum();
+    for (int m = 0; m < 4; ++m)
+      for (int i = 0; i < 3; ++i)
+        tet_geometry.at(t * kTetGeometry + 3 * m + i, lane) = static_cast<float>(g(m, i));
+    tet_geometry.at(t * kTetGeometry + 12, lane) = static_cast<float>(edges.determinant() / 6);
+  }
+  for (int f = 0; f < view.faces; ++f) {
+    const std::int32_t* n = &topology.contact_faces[static_cast<std::size_t>(f) * kFaceNodes];
+    for (int a = 0; a < kFaceNodes; ++a)
+      for (int i = 0; i < 3; ++i)
+        face_position.at((f * kFaceNodes + a) * 3 + i, lane) = static_cast<float>(nodes[n[a]][i]);
+    face_area.at(f, lane) = static_cast<float>(
+        0.5 * (nodes[n[1]] - nodes[n[0]]).cross(nodes[n[2]] - nodes[n[0]]).norm());
+  }
+  start.at(0, lane) = static_cast<float>(-first_contact(
+      topology.contact_faces, topology.order, nodes, Vec3::Zero(), -Vec3::UnitZ(), radius));
+}
+
+void BatchPress::Work::set_geometry(std::span<const std::vector<Vec3>> patches,
+                                    const BatchTool& tool) {
+  // Lanes without a patch repeat the first one; their results are dropped.
+  for (int lane = 0; lane < kLanes; ++lane)
+    set_lane_geometry(lane, patches[static_cast<std::size_t>(lane) < patches.size() ? lane : 0],
+                      tool.radius);
+  batch.tet_geometry = tet_geometry.data();
+  batch.face_position = face_position.data();
+  batch.face_area = face_area.data();
+  batch.start = start.data();
+  batch.radius = static_cast<float>(tool.radius);
+  batch.penalty = static_cast<float>(tool.penalty);
+}
+
+/// Gradient of the total potential; returns admissible (1 or 0) per lane.
+LaneValues BatchPress::Work::evaluate(LaneArray& at, LaneArray& out, float force,
+                                      LaneValues& squared_pressure) {
+  alignas(64) LaneValues admissible{}, q{};
+  kernels.gradient(view, batch, at.data(), out.data(), admissible.data(), q.data());
+  for (int l = 0; l < kLanes; ++l) {
+    out.at(travel_slot(), l) -= force;
+    for (int i = 0; i < 3; ++i) out.at(plan.unknowns + i, l) = 0;
+  }
+  squared_pressure = q;
+  return admissible;
+}
+
+LaneValues BatchPress::Work::largest(LaneArray& a) {
+  LaneValues m{};
+  const float* p = a.data();
+  for (int i = 0; i < plan.unknowns; ++i, p += kLanes)
+    for (int l = 0; l < kLanes; ++l) m[l] = std::max(m[l], std::abs(p[l]));
+  return m;
+}
+
+LaneValues BatchPress::Work::dot(LaneArray& a, LaneArray& b) {
+  std::array<double, kLanes> sum{};
+  const float *p = a.data(), *q = b.data();
+  for (int i = 0; i < plan.unknowns; ++i, p += kLanes, q += kLanes)
+    for (int l = 0; l < kLanes; ++l) sum[l] += static_cast<double>(p[l]) * q[l];
+  LaneValues out;
+  for (int l = 0; l < kLanes; ++l) out[l] = static_cast<float>(sum[l]);
+  return out;
+}
+
+void BatchPress::Work::extrapolate(std::span<const double> forces, std::size_t load,
+                                   std::size_t use, LaneArray& out) {
+  out.zero();
+  for (std::size_t i = 0; i < use; ++i) {
+    double weight = 1;
+    for (std::size_t j = 0; j < use; ++j)
+      if (j != i)
+        weight *=
+            (forces[load] - forces[load - 1 - j]) / (forces[load - 1 - i] - forces[load - 1 - j]);
+    const std::vector<float>& state = history[2 - i];
+    for (std::size_t k = 0; k < state.size(); ++k)
+      out.data()[k] += static_cast<float>(weight) * state[k];
+  }
+}
+
+/// x becomes, lane by lane, the extrapolation of highest order that inverts nothing.
+void BatchPress::Work::predict(std::span<const double> forces, std::size_t load) {
+  std::array<bool, kLanes> done{};
+  LaneValues unused;
+  for (std::size_t use = std::min<std::size_t>(3, load); use > 1; --use) {
+    extrapolate(forces, load, use, trial);
+    const LaneValues fine = evaluate(trial, trial_gradient, 0, unused);
+    for (int l = 0; l < kLanes; ++l) {
+      if (done[l] || fine[l] == 0) continue;
+      done[l] = true;
+      for (int i = 0; i < plan.unknowns; ++i) x.at(i, l) = trial.at(i, l);
+    }
+  }
+}
+
+/// step = -H^-1 gradient; frozen lanes get no step. False where an active lane has no positive
+/// definite Hessian even with the largest shift: that lane dies.
+bool BatchPress::Work::newton_step(const std::array<bool, kLanes>& active) {
+  alignas(64) LaneValues shift{}, positive{};
+  for (int attempt = 0; attempt <= kMostShifts; ++attempt) {
+    kernels.hessian(view, batch, x.data(), shift.data(), factor.data());
+    kernels.factorize(view, factor.data(), inverse_diagonal.data(), positive.data());
+    bool again = false;
+    for (int l = 0; l < kLanes; ++l) {
+      if (!active[l] || positive[l] > 0) continue;
+      shift[l] = shift[l] > 0 ? shift[l] * kShiftGrowth : kFirstShift;
+      again = true;
+    }
+    if (!again) break;
+  }
+  for (int l = 0; l < kLanes; ++l)
+    if (active[l]) {
+      lanes[l].shifts += shift[l] > 0;
+      alive[l] = alive[l] && positive[l] > 0;
+    }
+  std::copy_n(gradient.data(), static_cast<std::size_t>(plan.unknowns) * kLanes, step.data());
+  kernels.solve(view, factor.data(), inverse_diagonal.data(), step.data());
+  for (int i = 0; i < plan.unknowns; ++i)
+    for (int l = 0; l < kLanes; ++l) {
+      float& s = step.at(i, l);
+      s = active[l] && alive[l] ? -s : 0;
+    }
+  return true;
+}
+
+void BatchPress::Work::line_search(const std::array<bool, kLanes>& active, float force,
+                                   LaneValues& squared_pressure) {
+  const LaneValues slope = dot(gradient, step);
+  LaneValues length, q;
+  length.fill(1);
+  std::array<bool, kLanes> open = active;
+  for (int l = 0; l < kLanes; ++l)
+    if (open[l] && !(alive[l] && slope[l] < 0)) open[l] = alive[l] = false;
+  for (int cut = 0; cut <= kMostCuts && std::count(open.begin(), open.end(), true) > 0; ++cut) {
+    for (int i = 0; i < plan.unknowns; ++i)
+      for (int l = 0; l < kLanes; ++l) trial.at(i, l) = x.at(i, l) + length[l] * step.at(i, l);
+    const LaneValues fine = evaluate(trial, trial_gradient, force, q);
+    const LaneValues left = dot(trial_gradient, step);
+    for (int l = 0; l < kLanes; ++l) {
+      if (!open[l]) continue;
+      if (fine[l] == 0 || !std::isfinite(left[l])) {
+        length[l] *= kInvertedCut;
+      } else if (left[l] > kSlopeLeft * -slope[l]) {
+        length[l] *= std::clamp(slope[l] / (slope[l] - left[l]), kDeepestCut, kShallowestCut);
+      } else {
+        open[l] = false;
+        squared_pressure[l] = q[l];
+        for (int i = 0; i < plan.unknowns; ++i) {
+          x.at(i, l) = trial.at(i, l);
+          gradient.at(i, l) = trial_gradient.at(i, l);
+        }
+      }
+    }
+  }
+  for (int l = 0; l < kLanes; ++l)
+    if (open[l]) alive[l] = false;
+}
+
+void BatchPress::Work::solve_load(std::span<const double> forces, std::size_t load,
+                                  const BatchOptions& options) {
+  const auto force = static_cast<float>(forces[load]);
+  LaneValues squared_pressure{};
+  const LaneValues fine = evaluate(x, gradient, force, squared_pressure);
+  for (int l = 0; l < kLanes; ++l) alive[l] = alive[l] && fine[l] > 0;
+  for (int iteration = 0; iteration <= options.max_iterations; ++iteration) {
+    const LaneValues residual = largest(gradient);
+    std::array<bool, kLanes> active{};
+    bool any_active = false;
+    for (int l = 0; l < kLanes; ++l) {
+      active[l] = alive[l] && !(residual[l] <= options.relative_tolerance * force);
+      any_active = any_active || active[l];
+      if (active[l] && iteration == options.max_iterations) alive[l] = false;
+    }
+    if (!any_active || iteration == options.max_iterations) break;
+    for (int l = 0; l < kLanes; ++l) lanes[l].iterations += active[l];
+    newton_step(active);
+    line_search(active, force, squared_pressure);
+  }
+  for (int l = 0; l < kLanes; ++l) {
+    travel[l].push_back(x.at(travel_slot(), l));
+    squared[l].push_back(squared_pressure[l]);
+  }
+}
+
+BatchPress::BatchPress(const Topology& topology, const Plan& plan, InstructionSet set)
+    : work_(std::make_unique<Work>(topology, plan, set)) {}
+BatchPress::~BatchPress() = default;
+BatchPress::BatchPress(BatchPress&&) noexcept = default;
+
+std::vector<LaneCurve> BatchPress::press(std::span<const std::vector<Vec3>> patches,
+                                         const LameModuli& moduli, const BatchTool& tool,
+                                         std::span<const double> forces,
+                                         const BatchOptions& options) {
+  Work& w = *work_;
+  if (patches.empty() || patches.size() > kLanes) throw InputError("a batch holds 1 to 16 patches");
+  w.batch.lambda = static_cast<float>(moduli.lambda);
+  w.batch.mu = static_cast<float>(moduli.mu);
+  w.set_geometry(patches, tool);
+  w.lanes.assign(kLanes, {});
+  w.alive.fill(true);
+  for (int l = 0; l < kLanes; ++l) w.travel[l].clear(), w.squared[l].clear();
+  w.x.zero();
+  for (int l = 0; l < kLanes; ++l)
+    w.x.at(w.travel_slot(), l) = static_cast<float>(options.first_guess);
+  for (std::size_t load = 0; load < forces.size(); ++load) {
+    if (load > 1) w.predict(forces, load);
+    w.solve_load(forces, load, options);
+    std::rotate(w.history.begin(), w.history.begin() + 1, w.history.end());
+    w.history[2].assign(w.x.data(),
+                        w.x.data() + static_cast<std::size_t>(w.plan.unknowns) * kLanes);
+  }
+  w.lanes.resize(patches.size());
+  for (std::size_t l = 0; l < patches.size(); ++l)
+    if (w.alive[l])
+      w.lanes[l].travel = rigid_contact_travel(forces, w.travel[l], w.squared[l], tool.penalty);
+  return w.lanes;
+}
+
+}  // namespace palpate::fem::lanes

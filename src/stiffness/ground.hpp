@@ -1,0 +1,45 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What all sites of one head share.
+#pragma once
+#include <tbb/parallel_for.h>
+#include <tbb/task_arena.h>
+
+#include <algorithm>
+#include <atomic>
+
+#include "stiffness/patch.hpp"
+#include "stiffness/sweep.hpp"
+
+namespace palpate::stiffness {
+
+struct Ground {
+  const HeadSurface& head;
+  const SweepOptions& options;
+  surface::SurfaceQuery skin, bone;
+  SamplingLimits limits;
+  std::vector<SiteFrame> frames;  ///< one per point of the skin, normals smoothed over the tool
+  std::vector<double> forces;     ///< [N] ascending
+
+  Ground(const HeadSurface& head, const SkullFit& skull, const SweepOptions& options);
+};
+
+/// Runs body(i) for i in [0, n) on the asked number of threads; tells `progress` fractions between
+/// `from` and `to`. Exceptions of the body and of the progress come out here.
+template <class Body>
+void parallel(int n, const SweepOptions& options, const Progress& progress, double from, double to,
+              const Body& body) {
+  tbb::task_arena arena(options.threads > 0 ? options.threads : tbb::task_arena::automatic);
+  std::atomic<int> done = 0;
+  const int report_each = std::max(1, n / 200);
+  arena.execute([&] {
+    tbb::parallel_for(tbb::blocked_range<int>(0, n, 1), [&](const tbb::blocked_range<int>& range) {
+      for (int i = range.begin(); i != range.end(); ++i) {
+        body(i);
+        const int now = ++done;
+        if (now % report_each == 0) progress.step("sweep", from + (to - from) * now / n);
+      }
+    });
+  });
+}
+
+}  // namespace palpate::stiffness
