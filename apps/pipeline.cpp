@@ -63,6 +63,7 @@ LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options
   LocatedHead located;
   landmarks::DetectOptions detect = options.landmarks;
   for (auto& [name, position] : detect.given) position *= millimetres(scan.unit);
+  detect.scan = &scan.scan_mm;
   try {
     located.detection = clock.run("landmarks", [&] {
       return landmarks::detect_landmarks(scan.working.mesh, detect, progress);

@@ -1,0 +1,18 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Is it a face, and is there a head behind it?
+#pragma once
+#include <string>
+#include <vector>
+
+#include "landmarks/pose.hpp"
+
+namespace palpate::landmarks {
+
+/// @throws InputError  one line: what was looked for and what was found instead
+void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::string>& warnings);
+
+/// [-] 0 to 1 from the misfit of the model points near the named one: 1 - misfit / 6 mm, where a
+/// point that faces elsewhere counts as 6 mm.
+[[nodiscard]] double confidence(const Skin& skin, const FacePose& pose, const std::string& name);
+
+}  // namespace palpate::landmarks
