@@ -33,6 +33,8 @@ constexpr double kThin = 0.5;
 // [-] 36 pi V^2 / A^3 of the closed surface: 1 for a sphere, about 0.5 for a bust, 0.05 for a face
 // mask closed across its rim; a sheet has 0. Below it nothing can be called inside.
 constexpr double kFlattest = 1e-3;
+constexpr double kSmallest = 10;  // [target edges] across: an object of fewer has no shape left
+constexpr double kMostTriangles = 4e6;  // of the working mesh: a bust at 1 mm has 0.8 M
 // [target edges] Width of gaps that a wrap bridges, and its distance from the surface.
 constexpr double kWrapAlpha = 2.0, kWrapOffset = 0.1;
 // [target edges] A wrapped point farther than this from the scan has no scan nearby.
@@ -56,10 +58,21 @@ void check_scan(const SurfaceMesh& scan, const RepairOptions& options) {
     throw InputError(fmt::format("the scan is damaged: {}; export it again", *defect));
 }
 
-void check_volume(const CornerMesh& m) {
+// One piece, open or closed, must be of a workable size and enclose something.
+void check_piece(const CornerMesh& m, double edge) {
+  const double across = bounding_box(m.points).size().maxCoeff();
   double area = 0;
   for (Id h = 0; h < m.half_edges(); h += 3) area += 0.5 * m.area_vector(h).norm();
-  const double volume = signed_volume(m.to_surface());
+  if (across < kSmallest * edge)
+    throw InputError(fmt::format(
+        "the scan is only {:.3g} mm across, too small for edges of {} mm; check its unit", across,
+        edge));
+  if (area > kMostTriangles * edge * edge * std::sqrt(3) / 4)
+    throw InputError(fmt::format(
+        "the scan is {:.3g} mm across with {:.3g} mm^2 of surface, too large for edges of {} mm; "
+        "check its unit",
+        across, area, edge));
+  const double volume = capped_volume(m);
   const double roundness = 36 * std::numbers::pi * volume * volume / (area * area * area);
   if (!(roundness > kFlattest))
     throw InputError(
@@ -203,10 +216,11 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
   const std::vector<Vec3> scan_points = m.points;
   if (scan.triangles.size() > options.decimate_above) report.decimated_from = scan.triangles.size();
 
+  check_piece(m, edge);
   const HoleStatistics holes = fill_holes(m, edge, progress);
   report.holes_filled = holes.filled;
   report.largest_hole_mm = holes.largest_perimeter;
-  check_volume(m);
+  check_piece(m, edge);
 
   Base base{m.to_surface(), m.patch};
   auto query = std::make_unique<SurfaceQuery>(base.mesh);

@@ -17,9 +17,10 @@ namespace {
 using Id = CornerMesh::Id;
 constexpr Id kNone = CornerMesh::kNone;
 
-// [-] of the box diagonal: points nearer than this are one. About 5 um on a head: above the
-// rounding of single-precision files in any unit, far below the spacing of any scanner.
-constexpr double kWeld = 1e-5;
+// Points nearer than this are one: above the rounding of single-precision files in any unit, far
+// below the spacing of any scanner. The fixed limit keeps a stray point far away from welding all.
+constexpr double kWeld = 1e-5;      // [-] of the box diagonal; 5 um on a head
+constexpr double kWeldMost = 0.01;  // [mm]
 
 // For each point the lowest-numbered point that it coincides with. Points are swept along a skew
 // direction, in which even a regular grid has few ties.
@@ -52,7 +53,7 @@ std::vector<Id> weld_targets(const std::vector<Vec3>& points, double tolerance) 
 // Points that faces use, welded; faces with three different corners and an area, each once.
 SurfaceMesh clean_soup(const SurfaceMesh& scan, RepairReport& report) {
   const double diagonal = bounding_box(scan.points).size().norm();
-  const double tolerance = kWeld * diagonal;
+  const double tolerance = std::min(kWeld * diagonal, kWeldMost);
   const std::vector<Id> target = weld_targets(scan.points, tolerance);
   std::vector<Id> number(scan.points.size(), kNone);
   SurfaceMesh mesh;
