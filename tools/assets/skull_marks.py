@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Craniometric landmarks, registration points and regions of the skull template (head frame, mm)."""
+"""Landmarks, registration points and regions of the skull template (head frame, mm)."""
 import numpy as np
 from scipy import ndimage
 
@@ -31,18 +31,18 @@ PAIRED = {
     'mso': ('mid-supraorbital', (30, 41, 140), FRONT),
     'mio': ('mid-infraorbital', (33, -7, 140), FRONT),
     'ac': ('alar curvature', (17, -19, 140), FRONT),
-    'go': ('gonion', (78, -76, -4), (-0.75, 0.5, 0.43)),
+    'go': ('gonion', (78, -76, -1), (-0.75, 0.5, 0.43)),
     'sC': ('supra-canine', (47, -41, 117), (-0.6, 0, -0.8)),
     'iC': ('infra-canine', (44, -62, 117), (-0.6, 0, -0.8)),
-    'sM2': ('supra-M2', (100, -41, 46), LEFT),
-    'iM2': ('infra-M2', (100, -62, 45), LEFT),
-    'mr': ('mid-ramus', (100, -32, 23), LEFT),
+    'sM2': ('supra-M2', (100, -41, 50), LEFT),
+    'iM2': ('infra-M2', (100, -62, 49), LEFT),
+    'mr': ('mid-ramus', (100, -32, 28), LEFT),
     'mmb': ('mid-mandibular border', (90, -128, 48), (-0.707, 0.707, 0)),
     'fe': ('frontal eminence', (45, 85, 150), (-0.2, -0.3, -0.93)),
     'lo': ('lateral orbit', (88, -6, 113), (-0.6, 0, -0.8)),
-    'im': ('inferior malar', (58, -21, 110), (-0.4, 0, -0.92)),
+    'im': ('inferior malar', (58, -17, 110), (-0.4, 0, -0.92)),
     'sgl': ('supraglenoid', (100, 5, 17), LEFT),
-    'mm': ('mid-masseter, occlusal line', (100, -50, 24), LEFT),
+    'mm': ('mid-masseter, occlusal line', (100, -50, 28), LEFT),
     'po': ('porion', (100, 0, 0), LEFT),
 }
 # Skin points relative to the skull.
@@ -80,7 +80,7 @@ def smooth_normal(vertices, normals, point, reach=4.0):
 
 
 def profile_point(middle, low, high, kind):
-    """Foremost or deepest point of the facial profile between two heights; deepest against a chord."""
+    """Foremost point of the profile between two heights, or the deepest against its chord."""
     part = middle[(middle[:, 1] >= low) & (middle[:, 1] <= high) & (middle[:, 2] > 60)]
     part = part[part[:, 2] > part[:, 2].max() - 12]  # the face's side of the jaw
     part = part[np.argsort(part[:, 1])]
@@ -92,7 +92,8 @@ def profile_point(middle, low, high, kind):
 
 def orbitale(vertices):
     """Crest of the lower orbital rim below the orbit's middle (left)."""
-    near = vertices[(np.abs(vertices[:, 0] - 34) < 2) & (np.abs(vertices[:, 1]) < 9) & (vertices[:, 2] > 68)]
+    x, y, z = vertices.T
+    near = vertices[(np.abs(x - 34) < 2) & (np.abs(y) < 9) & (z > 68)]
     return near[(near @ [0, 0.64, 0.77]).argmax()]
 
 
@@ -124,7 +125,8 @@ def landmarks(vertices, faces, normals):
         point = np.round(point, 3) + 0.0
         out[code] = {'name': name, 'position': point.tolist(), 'normal': n.tolist()}
         if code.endswith('_left'):
-            out[code[:-4] + 'right'] = {'name': name, 'position': (point * [-1, 1, 1] + 0.0).tolist(),
+            out[code[:-4] + 'right'] = {'name': name,
+                                        'position': (point * [-1, 1, 1] + 0.0).tolist(),
                                         'normal': (n * [-1, 1, 1] + 0.0).tolist()}
     return out
 
@@ -141,7 +143,7 @@ def registration_points():
 
 
 def regions(grid, vertices):
-    """Region code per vertex; what only closes holes (mouth, throat, nose) and the maxilla are none."""
+    """Region code per vertex; what only closes holes (mouth, throat, nose) is none."""
     x, y, z = np.abs(vertices[:, 0]), vertices[:, 1], vertices[:, 2]
     at = grid.index(np.stack([x, y, z], 1))
     bone = np.minimum(skull_parts.mandible(grid), skull_parts.lower_teeth(grid))

@@ -11,11 +11,11 @@ import fields as fd
 
 # Mandible: body between its lower border and the alveolar base, ramus, processes.
 BODY_LOWER = [(0, -83, 77, 6.5), (10, -83.5, 75, 6.5), (20, -82, 69, 6), (29, -79, 59, 5.5),
-              (37, -73, 44, 5), (43, -65, 28, 4.5), (46.5, -57, 15, 4)]
+              (37, -73, 44, 5), (43, -65, 29, 4.5), (46.5, -57, 17, 4)]
 BODY_UPPER = [(0, -66, 80, 4.5), (10, -65, 78, 5), (18, -64, 71, 5.5), (24, -62, 58, 6),
-              (30, -58, 43, 5.5), (37, -53, 32, 4.5), (44, -46, 20, 4)]
-RAMUS_BACK = [(46.5, -57, 15, 4), (49, -42, 9, 3.8), (50, -24, 9, 3.5), (50, -12, 12, 4)]
-RAMUS_FRONT = [(38, -58, 33, 4.5), (42, -46, 35, 3.5), (45.5, -28, 37, 3), (47, -12, 38, 2.5)]
+              (30, -58, 43, 5.5), (37, -53, 35, 4.5), (44, -46, 23, 4)]
+RAMUS_BACK = [(46.5, -57, 17, 4), (49, -42, 13, 3.8), (50, -24, 12.5, 3.5), (50, -12, 13.5, 4)]
+RAMUS_FRONT = [(38, -58, 37, 4.5), (42, -46, 40, 3.5), (45.5, -28, 43, 3), (47, -12, 44, 2.5)]
 CONDYLE = [(45, -4, 14, 4.2), (50, -3.5, 14, 4.5), (54, -4.5, 14, 3.8)]
 CHIN = [(0, -81, 80.5, 6.5), (8, -83, 77.5, 6)]
 
@@ -30,31 +30,39 @@ ARCH_UPPER = [(55, 0, 62, 3.5), (59.5, 0, 51, 2.8), (61.6, 0.5, 39, 2.5), (61, 1
               (58, 2, 11, 3.5)]
 ARCH_LOWER = [(55, -12, 61, 4), (59.5, -8.5, 51, 3), (61.6, -7, 39, 2.5), (61, -5.5, 25, 2.8),
               (57, -4, 13, 3.5)]
-SHELF_OUTER = [(52, -6, 60, 4), (57, -5, 50, 3.5), (58, -4.5, 38, 3.5), (57, -3, 25, 4), (54, -1, 12, 4)]
-SHELF_INNER = [(38, -6, 60, 4), (38, -6, 50, 4), (40, -6, 38, 4), (42, -4, 25, 4), (46, -1, 12, 4)]
+SHELF_OUTER = [(52, -6, 60, 4), (57, -5, 50, 3.5), (58, -4.5, 38, 3.5), (57, -3, 25, 4),
+               (54, -1, 12, 4)]
+SHELF_INNER = [(38, -6, 60, 4), (38, -6, 50, 4), (40, -6, 38, 4), (42, -4, 25, 4),
+               (46, -1, 12, 4)]
 CHEEK_UPPER = [(33, -5, 76, 4), (42, -3, 72.5, 4), (50, -1, 66.5, 4)]
-CHEEK_LOWER = [(30, -18, 73, 4), (38, -22, 69, 4), (47, -18, 64.5, 4)]
-CREST = [(43, -21, 66, 4.5), (36, -27, 63, 5), (30, -34, 60, 5)]
+CHEEK_LOWER = [(30, -18, 73, 4), (38, -17, 70, 4), (47, -13.5, 65, 4)]
+RIM_OUTER = [(50, 27, 69, 3.5), (48, 14, 67, 3), (49.5, 2, 67.5, 4)]  # orbit's lateral rim
+RIM_INNER = [(42, 27, 61, 3), (41, 14, 58, 3), (42, 2, 60, 3)]
+CREST = [(42, -17, 67, 4.5), (36, -24, 63.5, 5), (30, -33, 60, 5)]
 NASAL_RIDGE = [(0, 27, 88.5, 4.5), (0, 20, 92, 3.8), (0, 12, 96.5, 3.0), (0, 6, 100.2, 2.2)]
 NASAL_SIDE = [(8, 27, 84, 3.5), (8.5, 18, 85, 3.2), (9.5, 8, 87, 3), (11.5, -2, 87, 3)]
 SPINE = [(0, -24, 87, 4), (0, -23.5, 92.5, 2.4), (0, -23, 95.5, 1.8)]
 MASTOID = [(54, -2, -8, 8), (53, -13, -7, 7.5), (51.5, -21, -5, 5.5)]
 
 # Hollows: temporal fossa, infratemporal and cheek region (blurred shut in the level set).
-TEMPORAL = [(80, 18, 18, 16), (73, 16, 36, 19), (66, 15, 52, 20.5)]
+TEMPORAL = [(80, 18, 18, 16), (73, 16, 36, 19), (65, 14, 54, 21.5)]
 TEMPORAL_TOP = [(86, 38, 26, 20), (82, 42, 38, 23), (76, 42, 50, 22)]
-INFRATEMPORAL = [(64, -36, 30, 18), (63, -36, 44, 22), (60, -40, 58, 24)]
+INFRATEMPORAL = [(64, -36, 30, 18), (63, -36, 44, 22), (60, -36.5, 58, 24)]
+CANINE_INNER = [(28, -13, 94.5, 12), (26, -24, 95.5, 12)]
+CANINE_OUTER = [(44, -14, 90, 13.5), (44, -24, 89, 13.5)]
 BRIDGE_TOP = [(0, 40, 112), (0, 28, 98.5), (0, 6, 107.5), (0, -6, 113)]  # above the nasal bones
 
 # Wall behind the last molars: closes the way from the cheek's pocket to the throat.
-RETROMOLAR_UPPER = [(24, -26, 42, 4.5), (33, -26, 38, 4.5), (42, -26, 34, 4)]
-RETROMOLAR_LOWER = [(24, -60, 41, 4.5), (31, -60, 38, 4.5), (38, -58, 34, 4)]
+RETROMOLAR_UPPER = [(24, -26, 41, 4.5), (33, -26, 40, 4.5), (42, -26, 38, 4)]
+RETROMOLAR_LOWER = [(24, -60, 41, 4.5), (31, -60, 40, 4.5), (38, -58, 37, 4)]
 
 # Teeth from the midline back: mesiodistal width (mm) of upper and lower crowns.
 UPPER_WIDTHS = [8.5, 6.6, 7.6, 7.0, 6.8, 10.2, 9.8]
 LOWER_WIDTHS = [5.3, 5.9, 6.8, 7.0, 7.1, 11.0, 10.5]
-UPPER_ARCH = [(0, 0, 91.5), (9, 0, 89.5), (17, 0, 82), (22, 0, 71), (25.5, 0, 58), (28, 0, 45), (29, 0, 38)]
-LOWER_ARCH = [(0, 0, 89), (7, 0, 87.5), (14, 0, 81), (19.5, 0, 70), (23.5, 0, 57), (26.5, 0, 44), (27.5, 0, 36)]
+UPPER_ARCH = [(0, 0, 91.5), (9, 0, 89.5), (17, 0, 82), (22, 0, 71), (25.5, 0, 58),
+              (28, 0, 45), (29, 0, 38)]
+LOWER_ARCH = [(0, 0, 89), (7, 0, 87.5), (14, 0, 81), (19.5, 0, 70), (23.5, 0, 57),
+              (26.5, 0, 44), (27.5, 0, 36)]
 OCCLUSAL = -51.0  # mm, height where the crowns meet
 
 
@@ -93,17 +101,18 @@ def face(grid):
     """Alveolar arches, cheekbones with arches, nasal bones, spine, mastoids."""
     sheets = [fd.ruled(MAXILLA_UPPER, MAXILLA_LOWER), fd.ruled(ARCH_UPPER, ARCH_LOWER),
               fd.ruled(SHELF_OUTER, SHELF_INNER), fd.ruled(CHEEK_UPPER, CHEEK_LOWER),
-              fd.stroke(CREST), fd.ruled(NASAL_RIDGE, NASAL_SIDE), fd.stroke(SPINE),
-              fd.stroke(MASTOID)]
+              fd.ruled(RIM_OUTER, RIM_INNER), fd.stroke(CREST),
+              fd.ruled(NASAL_RIDGE, NASAL_SIDE), fd.stroke(SPINE), fd.stroke(MASTOID)]
     return smooth_fields([fd.balls_field(grid, s) for s in sheets], 4.0)
 
 
 def hollows(grid):
-    """What is cut out of the level set: fossae, and its bulge above the nasal bones."""
+    """What is cut out of the level set: fossae, the bulges above the nasal bones and in the canine fossa."""
     temporal = fd.balls_field(grid, fd.ruled(TEMPORAL, TEMPORAL_TOP, 1.5))
     below = fd.balls_field(grid, fd.stroke(INFRATEMPORAL, 1.5))
     nose = fd.balls_field(grid, fd.stroke([(*p, 6.5) for p in BRIDGE_TOP]))
-    return [temporal, below, nose]
+    canine = fd.balls_field(grid, fd.ruled(CANINE_INNER, CANINE_OUTER, 1.5))
+    return [temporal, below, nose, canine]
 
 
 def lower_teeth(grid):
@@ -119,7 +128,7 @@ def vault_core(grid):
     """Solid inside of the brain case and the skull base."""
     parts = [fd.ellipsoid_field(grid, (0, 55, 2), (62, 54, 78)),
              fd.ellipsoid_field(grid, (0, 8, -8), (46, 30, 55)),
-             fd.ellipsoid_field(grid, (0, 20, 28), (57, 36, 46))]  # floor of the temporal fossa
+             fd.ellipsoid_field(grid, (0, 20, 26), (54, 36, 42))]  # floor of the temporal fossa
     return smooth_fields(parts, 8.0)
 
 
@@ -130,13 +139,13 @@ def floors(grid):
     u, v = (x - 31.0) / 19.0, (y - 16.0) / 17.0
     rim = 80.0 - 0.4 * (x - 31.0) + 0.28 * (y - 16.0)
     orbit = np.maximum(z - (rim - 13.0 + 4.0 * np.minimum(u * u + v * v, 1.6)),
-                       np.maximum(np.hypot(x - 31, y - 16) - 21, 45 - z))
+                       np.maximum(np.maximum(np.hypot(x - 31, y - 16) - 21, x - 44), 45 - z))
     # Nose: concave floor about 12 mm behind the aperture's rim.
     nose = np.maximum(z - (77 + 0.05 * (y + 8) + 0.0125 * x * x),
                       np.maximum(np.abs(y + 9) - 22, x - 16))
     nose = np.maximum(nose, 40 - z)
     # Throat between the rami, mouth between the bodies; both stay above the jaw's lower border.
-    throat = fd.ellipsoid_field(grid, (0, -24, 30), (46, 37, 27))
+    throat = fd.ellipsoid_field(grid, (0, -24, 33), (46, 37, 27))
     mouth = fd.ellipsoid_field(grid, (0, -44, 50), (24, 22, 33))
     wall = fd.balls_field(grid, fd.ruled(RETROMOLAR_UPPER, RETROMOLAR_LOWER))
     return smooth_fields([orbit, nose, throat, mouth, wall], 3.0)

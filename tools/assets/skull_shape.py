@@ -54,7 +54,7 @@ FACE_PAIRS = np.array([
     [9, 90, 204, 14, -15, 89],  # aperture's widest point
     [0, 69, 203, 0, -40, 92],  # lower end of the maxilla
     [33, 69, 172, 29, -40, 55],
-    [47, 84, 178, 45, -25, 67],  # lower end of the cheekbone
+    [47, 84, 178, 45, -21, 68],  # lower end of the cheekbone
     [70, 97, 130, 63, -4, 38],  # zygomatic arch
     [57, 98, 173, 55, -6, 64],  # cheekbone
     [70, 99, 106, 60, 0, 0],  # porion
@@ -85,7 +85,8 @@ def cranium(grid, volume):
     coarse = fd.Grid(step=grid.step * 4)  # the spline is smooth: evaluate it coarsely
     p = volume_points(coarse.points()).reshape(*coarse.shape, 3)
     at = np.indices(grid.shape).reshape(3, -1) / 4.0
-    v = np.stack([ndimage.map_coordinates(p[..., k], at, order=1, mode='nearest') for k in range(3)])
+    v = np.stack([ndimage.map_coordinates(p[..., k], at, order=1, mode='nearest')
+                  for k in range(3)])
     index = np.stack([v[0] / VOXEL[0] + MIDDLE, v[1] / VOXEL[1], v[2] / VOXEL[2]])
     value = ndimage.map_coordinates(volume, index, order=3, mode='constant').reshape(grid.shape)
     x, up, front = (c.reshape(grid.shape) for c in v)
@@ -93,8 +94,10 @@ def cranium(grid, volume):
     spine = (front < 122) & (up < 77 + 0.06 * np.abs(front - 95))
     value = np.where(jaw | spine, 0, value)
     field = fd.redistance(LEVEL - value, grid.step)
-    inside = ndimage.binary_closing(np.pad(field < 0, 12, mode='edge'), iterations=4)[12:-12, 12:-12, 12:-12]
-    inside = ndimage.binary_fill_holes(np.concatenate([inside[:grid.plane:-1], inside[grid.plane:]]))
+    padded = np.pad(field < 0, 12, mode='edge')
+    inside = ndimage.binary_closing(padded, iterations=4)[12:-12, 12:-12, 12:-12]
+    inside = np.concatenate([inside[:grid.plane:-1], inside[grid.plane:]])
+    inside = ndimage.binary_fill_holes(inside)
     inside = inside[-(grid.shape[0] - grid.plane):]
     filled = np.concatenate([inside[grid.plane:0:-1], inside])
     core = ndimage.binary_erosion(filled, iterations=3)
@@ -105,7 +108,8 @@ def cranium(grid, volume):
 def blend_vault(grid, field):
     """Smooths the vault by 4 mm (its ripples come from the 4 mm voxels), the face not at all."""
     soft = ndimage.gaussian_filter(field, 4.0 / grid.step)
-    t = np.clip(np.maximum((grid.y - 42) / 16, np.minimum((42 - grid.z) / 30, (grid.y - 4) / 14)), 0, 1)
+    back = np.minimum((42 - grid.z) / 30, (grid.y - 4) / 14)
+    t = np.clip(np.maximum((grid.y - 42) / 16, back), 0, 1)
     t = np.broadcast_to(t * t * (3 - 2 * t), field.shape)
     return grid.symmetrise(field * (1 - t) + soft * t)
 
@@ -125,7 +129,7 @@ def fill_cavities(grid, field):
 def template_field(grid, volume):
     """The whole solid."""
     field = cranium(grid, volume)
-    for hollow, fillet in zip(parts.hollows(grid), (9.0, 5.0, 4.0)):
+    for hollow, fillet in zip(parts.hollows(grid), (9.0, 5.0, 4.0, 6.0)):
         field = fd.smooth_cut(field, hollow, fillet)
     field = fd.smooth_union(field, parts.vault_core(grid), 5.0)
     field = blend_vault(grid, grid.symmetrise(field))

@@ -52,7 +52,8 @@ def main():
     normals = plylib.vertex_normals(vertices, faces)
     plylib.write_ply(os.path.join(output, 'skull_template.ply'), vertices, faces,
                      ['Palpate skull template, mm, CC0-1.0',
-                      'region 0 none 1 cranium 2 forehead 3 orbit 4 eyebrow 5 cheekbone 6 jaw 7 chin'],
+                      'region 0 none 1 cranium 2 forehead 3 orbit 4 eyebrow 5 cheekbone '
+                      '6 jaw 7 chin'],
                      region)
     doc = {'name': 'Palpate skull template', 'unit': 'mm', 'frame': FRAME, 'licence': 'CC0-1.0',
            'source': 'level set skull_2.9.inr of Debian libcgal-demo 5.5.1-2 (CC0-1.0), warped, '
