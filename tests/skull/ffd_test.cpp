@@ -127,7 +127,9 @@ TEST(Published, RegionWeightsFallFromTheRegionOutwards) {
     } else {
       EXPECT_LE(w[i], 0.5);
       EXPECT_GE(w[i], 0.1 - 1e-12);
-      if (mesh.points[i].y() < -0.5) EXPECT_NEAR(w[i], 0.1, 1e-12);
+      if (mesh.points[i].y() < -0.5) {
+        EXPECT_NEAR(w[i], 0.1, 1e-12);
+      }
     }
   }
 }
