@@ -65,7 +65,7 @@ INSTANTIATE_TEST_SUITE_P(All, Heads,
                                          Head{"mh_b", 1, 1, 3}, Head{"ict_00", 10, 4, 3},
                                          Head{"ict_21", 10, 4, 3}, Head{"ict_22", 10, 4, 3},
                                          Head{"ct_skin", 1, 0, 4}),
-                         [](const auto& info) { return std::string(info.param.name); });
+                         [](const auto& head) { return std::string(head.param.name); });
 
 }  // namespace
 }  // namespace palpate::surface
