@@ -113,11 +113,11 @@ TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
 
 TEST_F(CommandLine, PrintsLandmarksInTheScansOwnNumbersAndTakesTheUsersOwn) {
   const Outcome run =
-      palpate({"landmarks", kHead.string(), "--json", "--quiet", "--landmark", "nose_tip=1,2,150"});
+      palpate({"landmarks", kHead.string(), "--json", "--quiet", "--landmark", "nose_tip=0.5,-20,106"});
   ASSERT_EQ(run.code, 0) << run.err;
   const json result = json::parse(run.out);
   EXPECT_EQ(result["unit_mm"], 1.0);
-  EXPECT_EQ(result["landmarks"]["nose_tip"]["position"], json({1.0, 2.0, 150.0}));
+  EXPECT_EQ(result["landmarks"]["nose_tip"]["position"], json({0.5, -20.0, 106.0}));
   EXPECT_EQ(result["landmarks"]["nose_tip"]["confidence"], 1.0);
 }
 

@@ -13,7 +13,10 @@ namespace fs = std::filesystem;
 
 class AtomicFile : public testing::Test {
  protected:
-  fs::path folder = fs::path(testing::TempDir()) / "palpate_atomic_file";
+  // One folder per test: they run side by side.
+  fs::path folder = fs::path(testing::TempDir()) /
+                    (std::string("palpate_atomic_file_") +
+                     testing::UnitTest::GetInstance()->current_test_info()->name());
   void SetUp() override {
     fs::remove_all(folder);
     fs::create_directories(folder);

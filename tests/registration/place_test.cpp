@@ -125,9 +125,10 @@ TEST(Placement, PublishedScalesEachAxisAndThenMovesRigidly) {
   for (Vec3& p : head.skin.points) p.y() += 2000;
   const Placement found = place_published(head, skull);
   EXPECT_EQ(found.warnings.size(), 1u);  // 6 mm below the nose tip the box ends
-  EXPECT_NEAR(found.linear(0, 0), 1.5, 1e-9);
-  EXPECT_NEAR(found.linear(2, 2), 2.4, 1e-9);
-  EXPECT_NEAR(found.linear(1, 1), 0.5 * (1.5 + 2.4), 0.3);
+  // linear = rotation * diag(scales): the scales are the lengths of the columns.
+  EXPECT_NEAR(found.linear.col(0).norm(), 1.5, 1e-9);
+  EXPECT_NEAR(found.linear.col(2).norm(), 2.4, 1e-9);
+  EXPECT_NEAR(found.linear.col(1).norm(), 0.5 * (1.5 + 2.4), 1e-9);
   head.landmarks.erase("nose_tip");
   EXPECT_THROW(place_published(head, skull), InputError);
 }
