@@ -10,7 +10,7 @@ FRONT, LEFT = (0, 0, -1), (-1, 0, 0)
 PROFILE = {
     'g': ('glabella', 32, 46, 'front'),
     'n': ('nasion', 18, 36, 'deep'),
-    'ss': ('subspinale', -37, -27, 'deep'),
+    'ss': ('subspinale', -33, -25, 'deep'),
     'sm': ('supramentale', -76, -63, 'deep'),
     'pg': ('pogonion', -86, -76, 'front'),
 }
@@ -21,7 +21,7 @@ MIDLINE = {
     'sg': ('supraglabella', (0, 53, 140), FRONT),
     'mn': ('mid-nasal', (0, 17, 140), FRONT),
     'rhi': ('rhinion', (0, 7, 140), FRONT),
-    'mp': ('mid-philtrum', (0, -35, 140), FRONT),
+    'mp': ('mid-philtrum', (0, -35.5, 140), FRONT),
     'pr': ('prosthion', (0, -41, 140), FRONT),
     'id': ('infradentale', (0, -62, 140), FRONT),
     'gn': ('gnathion', (0, -126, 122), (0, 0.707, -0.707)),
@@ -46,10 +46,10 @@ PAIRED = {
     'po': ('porion', (100, 0, 0), LEFT),
 }
 # Skin points relative to the skull.
-# Placed from mean relations: nose tip 19 mm in front of rhinion and 22 below it; nose corners at the
+# Placed from mean relations: nose tip 18 mm in front of rhinion and 23 below it; nose corners at the
 # aperture's lower third, 4 mm outside its rim; outer eye corners 4 mm medial to the lateral orbital
 # rim and 9 mm in front of it. Checked against one CT pair of skin and skull (none of it is used).
-REGISTRATION = {'nose_tip': (0, -15, 122), 'nose_corner': (17, -18, 104), 'eye_outer': (45, 14, 78)}
+REGISTRATION = {'nose_tip': (0, -16, 120), 'nose_corner': (17, -18.5, 102.5), 'eye_outer': (45, 14, 78)}
 REGIONS = {0: 'none', 1: 'cranium', 2: 'forehead', 3: 'orbit', 4: 'eyebrow', 5: 'cheekbone',
            6: 'jaw', 7: 'chin'}
 
