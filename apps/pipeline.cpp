@@ -71,6 +71,8 @@ LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scan.file_name, error.what()));
   }
+  for (const auto& [name, position] : detect.given)  // to the last bit, whatever turned in between
+    located.detection.landmarks[name] = {position, 1};
   const HeadFrame& frame = located.detection.frame;
   HeadSurface& head = located.head;
   head.skin = transformed(scan.working.mesh, frame.rotation, -(frame.rotation * frame.origin));

@@ -30,6 +30,8 @@ function(palpate_test folder)
   target_link_libraries(test_${folder} PRIVATE ${arg_DEPS} GTest::gtest_main)
   target_compile_definitions(test_${folder} PRIVATE PALPATE_SOURCE_DIR="${PROJECT_SOURCE_DIR}")
   palpate_configure_target(test_${folder})
+  # GoogleTest's macros bring an `if` and names of their own.
+  target_compile_options(test_${folder} PRIVATE -Wno-dangling-else -Wno-shadow)
   gtest_discover_tests(test_${folder} TEST_PREFIX ${folder}. PROPERTIES TIMEOUT 600
                        DISCOVERY_TIMEOUT 120)
 endfunction()

@@ -8,6 +8,7 @@
 
 #include "core/error.hpp"
 #include "landmarks/pose.hpp"
+#include "landmarks/published.hpp"
 #include "landmarks/sharpen.hpp"
 #include "landmarks/verify.hpp"
 
@@ -37,6 +38,28 @@ void put_on_surface(const Skin& skin, const HeadFrame& frame, std::map<std::stri
   }
 }
 
+LandmarkSet robust_landmarks(const Skin& skin, const FacePose& pose, const HeadFrame& frame) {
+  auto marks = marks_in(frame, pose);
+  put_on_surface(skin, frame, marks);
+  const Relief relief = cast_relief(skin.query, frame, {-75, 75, -130, 70});
+  marks["nose_tip"] = sharpen_nose_tip(relief, marks["nose_tip"]);
+  LandmarkSet set;
+  for (const auto& [name, p] : marks) set[name] = {frame.to_scan(p), confidence(skin, pose, name)};
+  return set;
+}
+
+// The published recipe has no measure of its own; the robust method is its check.
+void compare(const LandmarkSet& published, const LandmarkSet& robust,
+             std::vector<std::string>& warnings) {
+  constexpr double kFar = 8;  // [mm]
+  for (const auto& [name, mark] : published) {
+    const double apart = (mark.position - robust.at(name).position).norm();
+    if (apart < kFar) continue;
+    warnings.push_back(fmt::format(
+        "{}: the published recipe puts it {:.0f} mm from where the robust method does", name, apart));
+  }
+}
+
 }  // namespace
 
 Detection detect_landmarks(const SurfaceMesh& mesh, const DetectOptions& options,
@@ -50,20 +73,17 @@ Detection detect_landmarks(const SurfaceMesh& mesh, const DetectOptions& options
   Detection detection;
   verify_face(skin, found, detection.warnings);
 
-  HeadFrame& frame = detection.frame;
-  frame = frame_of(found.pose);
-  auto marks = marks_in(frame, found.pose);
-  const Relief relief = cast_relief(skin.query, frame, {-75, 75, -130, 70});
-  put_on_surface(skin, frame, marks);
-  marks["nose_tip"] = sharpen_nose_tip(relief, marks["nose_tip"]);
-  for (const auto& [name, p] : options.given) marks[name] = frame.to_head(p);
-
-  const Vec3 middle = 0.5 * (marks.at("eye_outer_left") + marks.at("eye_outer_right"));
-  for (const auto& [name, p] : marks) {
-    const bool given = options.given.contains(name);
-    detection.landmarks[name] = {frame.to_scan(p), given ? 1.0 : confidence(skin, found.pose, name)};
+  detection.frame = frame_of(found.pose);
+  if (options.method == Method::published) {
+    detection.landmarks = published_landmarks(skin, detection.frame);
+    compare(detection.landmarks, robust_landmarks(skin, found.pose, detection.frame),
+            detection.warnings);
+  } else {
+    detection.landmarks = robust_landmarks(skin, found.pose, detection.frame);
   }
-  frame.origin = frame.to_scan(middle);
+  for (const auto& [name, p] : options.given) detection.landmarks[name] = {p, 1.0};
+  detection.frame.origin = 0.5 * (detection.landmarks.at("eye_outer_left").position +
+                                  detection.landmarks.at("eye_outer_right").position);
   progress.step("landmarks", 1);
   return detection;
 }

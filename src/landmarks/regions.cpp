@@ -4,10 +4,12 @@
 // point is carried there by FaceWarp and named. docs/method/regions.md shows the drawing.
 #include "landmarks/regions.hpp"
 
-#include <algorithm>
+#include <fmt/format.h>
+
 #include <array>
 #include <cmath>
 
+#include "core/error.hpp"
 #include "landmarks/face_warp.hpp"
 
 namespace palpate::landmarks {
@@ -52,7 +54,7 @@ double lower_border(double z) {
 
 // Upper limit of the jaw: the body's band in front, the ramus up to the ear lobe behind.
 double jaw_top(double z) {
-  return curve(std::array<Knot, 4>{{{-62, -38}, {-50, -48}, {-36, -72}, {0, -86}}}, z);
+  return curve(std::array<Knot, 4>{{{-60, -34}, {-46, -42}, {-32, -72}, {0, -86}}}, z);
 }
 
 // The zygomatic bone and arch: lower and upper limit along the way from the ear to the face.
@@ -100,7 +102,7 @@ bool is_cheekbone(const Place& p) {
 }
 bool is_jaw(const Place& p) { return p.z > -72 && p.a > 18 && p.y <= jaw_top(p.z); }
 bool is_cheek(const Place& p) {
-  return p.z > -56 && p.a > 22 && p.y > jaw_top(p.z) && p.y <= cheekbone_low(p.z);
+  return p.z > -50 && p.a > 22 && p.y > jaw_top(p.z) && p.y <= cheekbone_low(p.z);
 }
 // The vault above the temples, the ears and the line from the ears to below the occiput.
 bool is_cranium(const Place& p) {
@@ -109,7 +111,14 @@ bool is_cranium(const Place& p) {
   return p.y > low;
 }
 
-SkinRegion region_at(const Place& p) {
+// The flat underside of a scan that ends inside the face: it looks down where a face never does.
+bool is_cut(const Place& p, double normal_up) {
+  return normal_up < -0.9 && p.y > lower_border(p.z) + 15 && !is_ear(p) && !is_nose(p) &&
+         !is_eye(p);
+}
+
+SkinRegion region_at(const Place& p, double normal_up) {
+  if (is_cut(p, normal_up)) return SkinRegion::other;
   if (is_ear(p)) return SkinRegion::ear;
   if (is_neck(p)) return SkinRegion::neck;
   if (is_nose(p)) return SkinRegion::nose;
@@ -127,14 +136,18 @@ SkinRegion region_at(const Place& p) {
 
 }  // namespace
 
-std::vector<SkinRegion> skin_regions(const std::vector<Vec3>& points, const std::vector<Vec3>&,
+std::vector<SkinRegion> skin_regions(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
                                      const LandmarkSet& landmarks) {
+  if (normals.size() != points.size()) {
+    throw InputError(fmt::format("skin regions: {} normals for {} points", normals.size(),
+                                 points.size()));
+  }
   const FaceWarp warp(landmarks);
   std::vector<SkinRegion> regions;
   regions.reserve(points.size());
-  for (const Vec3& point : points) {
-    const Vec3 p = warp.to_mean(point);
-    regions.push_back(region_at({std::abs(p.x()), p.y(), p.z()}));
+  for (std::size_t i = 0; i < points.size(); ++i) {
+    const Vec3 p = warp.to_mean(points[i]);
+    regions.push_back(region_at({std::abs(p.x()), p.y(), p.z()}, normals[i].y()));
   }
   return regions;
 }
