@@ -38,11 +38,31 @@ void put_on_surface(const Skin& skin, const HeadFrame& frame, std::map<std::stri
   }
 }
 
-LandmarkSet robust_landmarks(const Skin& skin, const FacePose& pose, const HeadFrame& frame) {
+// Corners of open eyes, from the scan itself.
+Pins eye_corners(const Skin& skin, const SurfaceMesh& scan, const HeadFrame& frame,
+                 const std::map<std::string, Vec3>& marks) {
+  Pins pins;
+  const surface::SurfaceQuery query(scan);
+  for (const std::string side : {"_left", "_right"}) {
+    const std::string name = "eye_outer" + side;
+    const auto corner =
+        open_eye_corner(query, skin.query, frame, marks.at("eye_inner" + side), marks.at(name));
+    if (corner) pins[name] = frame.to_scan(*corner);
+  }
+  return pins;
+}
+
+LandmarkSet robust_landmarks(const Skin& skin, const FacePose& pose, const HeadFrame& frame,
+                             const SurfaceMesh* scan) {
   auto marks = marks_in(frame, pose);
   put_on_surface(skin, frame, marks);
   const Relief relief = cast_relief(skin.query, frame, {-75, 75, -130, 70});
   marks["nose_tip"] = sharpen_nose_tip(relief, marks["nose_tip"]);
+  if (scan) {
+    for (const auto& [name, p] : eye_corners(skin, *scan, frame, marks)) {
+      marks[name] = frame.to_head(p);
+    }
+  }
   LandmarkSet set;
   for (const auto& [name, p] : marks) set[name] = {frame.to_scan(p), confidence(skin, pose, name)};
   return set;
@@ -55,8 +75,9 @@ void compare(const LandmarkSet& published, const LandmarkSet& robust,
   for (const auto& [name, mark] : published) {
     const double apart = (mark.position - robust.at(name).position).norm();
     if (apart < kFar) continue;
-    warnings.push_back(fmt::format(
-        "{}: the published recipe puts it {:.0f} mm from where the robust method does", name, apart));
+    warnings.push_back(
+        fmt::format("{}: the published recipe puts it {:.0f} mm from where the robust method does",
+                    name, apart));
   }
 }
 
@@ -76,10 +97,10 @@ Detection detect_landmarks(const SurfaceMesh& mesh, const DetectOptions& options
   detection.frame = frame_of(found.pose);
   if (options.method == Method::published) {
     detection.landmarks = published_landmarks(skin, detection.frame);
-    compare(detection.landmarks, robust_landmarks(skin, found.pose, detection.frame),
+    compare(detection.landmarks, robust_landmarks(skin, found.pose, detection.frame, options.scan),
             detection.warnings);
   } else {
-    detection.landmarks = robust_landmarks(skin, found.pose, detection.frame);
+    detection.landmarks = robust_landmarks(skin, found.pose, detection.frame, options.scan);
   }
   for (const auto& [name, p] : options.given) detection.landmarks[name] = {p, 1.0};
   detection.frame.origin = 0.5 * (detection.landmarks.at("eye_outer_left").position +

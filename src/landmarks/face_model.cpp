@@ -15,9 +15,9 @@ constexpr int kRow = 6 + 3 * FaceModel::kModes;
 
 // The last rows of the data, in the order in which tools/assets/face_model.py writes them.
 constexpr std::array<const char*, 12> kMarks = {
-    "nose_tip", "nose_corner_left", "eye_outer_left", "eye_inner_left", "chin",    "gnathion",
-    "nasion",   "glabella",         "subnasale",      "stomion",        "mouth_corner_left",
-    "ear_left"};
+    "nose_tip",          "nose_corner_left", "eye_outer_left", "eye_inner_left", "chin",
+    "gnathion",          "nasion",           "glabella",       "subnasale",      "stomion",
+    "mouth_corner_left", "ear_left"};
 constexpr std::size_t kRows = std::size(kData) / kRow;
 static_assert(kRows * kRow == std::size(kData));
 
@@ -32,7 +32,9 @@ FaceModel::Modes modes_at(std::size_t row) {
   return modes;
 }
 
-Vec3 mirrored(const Vec3& p) { return {-p.x(), p.y(), p.z()}; }
+Vec3 mirrored(const Vec3& p) {
+  return {-p.x(), p.y(), p.z()};
+}
 
 FaceModel::Modes mirrored(FaceModel::Modes modes) {
   for (Vec3& m : modes) m = mirrored(m);

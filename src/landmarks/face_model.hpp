@@ -22,7 +22,7 @@ struct FaceModel {
   std::vector<Vec3> points;   ///< [mm] sample of face, brow and vault; about 7 and 16 mm apart
   std::vector<Vec3> normals;  ///< [-] outward, of the mean
   std::vector<Modes> modes;   ///< [mm per SD] one per point
-  std::map<std::string, Vec3> marks;         ///< [mm] named points of the mean
+  std::map<std::string, Vec3> marks;        ///< [mm] named points of the mean
   std::map<std::string, Modes> mark_modes;  ///< [mm per SD]
 
   [[nodiscard]] Vec3 point(std::size_t i, const Coefficients& c) const;

@@ -16,12 +16,14 @@
 namespace palpate::landmarks {
 namespace {
 
-constexpr double kReach = 35;         // [mm] h, about the distance between neighbouring landmarks
-constexpr double kSmoothing = 0.5;    // [-] a lone landmark 3 mm off moves its place by 2 mm
-constexpr double kCertain = 0.3;      // [-] below this confidence a landmark is a guess: left out
-constexpr double kAffineHold = 2e4;   // [mm^2] pull of the linear part towards the similarity
+constexpr double kReach = 35;        // [mm] h, about the distance between neighbouring landmarks
+constexpr double kSmoothing = 0.5;   // [-] a lone landmark 3 mm off moves its place by 2 mm
+constexpr double kCertain = 0.3;     // [-] below this confidence a landmark is a guess: left out
+constexpr double kAffineHold = 2e4;  // [mm^2] pull of the linear part towards the similarity
 
-double bump(const Vec3& r) { return std::exp(-r.squaredNorm() / (2 * kReach * kReach)); }
+double bump(const Vec3& r) {
+  return std::exp(-r.squaredNorm() / (2 * kReach * kReach));
+}
 
 // Every landmark of the model that the head has; a side is used only together with the other one,
 // so that the map of a symmetric head is symmetric.

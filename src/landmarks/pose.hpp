@@ -44,8 +44,8 @@ using Pins = std::map<std::string, Vec3>;
 
 struct FitSchedule {
   int iterations = 10;
-  int stride = 1;             ///< every n-th pair of model points is used
-  bool with_shape = false;    ///< solve for the modes as well
+  int stride = 1;           ///< every n-th pair of model points is used
+  bool with_shape = false;  ///< solve for the modes as well
   bool with_scale = true;
   double tolerance_mm = 4.0;  ///< [mm] distance at which a point's weight has dropped to a quarter
 };

@@ -21,10 +21,10 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Rows = Eigen::Matrix<double, 3, kUnknowns>;
 
-constexpr double kSideways = 0.3;      // [-] weight of sliding against leaving the surface
-constexpr double kPrior = 12;          // [mm^2 per SD^2]: 0.4 mm rms over the about 300 points
-constexpr double kScalePrior = 4000;   // [mm^2]: a size 10 % off the mean costs 40 mm^2
-constexpr double kPinWeight = 60;      // [-] a user's point counts as much as 60 surface points
+constexpr double kSideways = 0.3;       // [-] weight of sliding against leaving the surface
+constexpr double kPrior = 12;           // [mm^2 per SD^2]: 0.4 mm rms over the about 300 points
+constexpr double kScalePrior = 4000;    // [mm^2]: a size 10 % off the mean costs 40 mm^2
+constexpr double kPinWeight = 60;       // [-] a user's point counts as much as 60 surface points
 constexpr double kLikeDirection = 0.2;  // [-] cosine below which a point faces elsewhere
 
 Matrix system_diagonal(const FitSchedule& schedule) {
@@ -83,8 +83,8 @@ void add_pins(const FacePose& pose, const Pins& pins, const Vec3& origin, Matrix
 void apply(FacePose& pose, const Vector& step, const Vec3& origin) {
   const Vec3 w = step.head<3>();
   const double angle = w.norm();
-  const Mat3 turn = angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix()
-                              : Mat3(Mat3::Identity());
+  const Mat3 turn =
+      angle > 0 ? Eigen::AngleAxisd(angle, w / angle).toRotationMatrix() : Mat3(Mat3::Identity());
   const double grow = std::exp(std::clamp(step[6], -0.1, 0.1));
   pose.translation =
       origin + Vec3(step.segment<3>(3)) + grow * (turn * (pose.translation - origin));
@@ -114,8 +114,8 @@ FacePose fit_pose(const Skin& skin, FacePose pose, const FitSchedule& schedule, 
       const Match m = match(skin, pose, i, widen * schedule.tolerance_mm, found);
       if (m.weight == 0) continue;
       const Rows rows = derivative(pose, m.q, model.modes[i], origin);
-      const Mat3 metric = m.weight * (m.n * m.n.transpose() +
-                                      kSideways * kSideways * Mat3::Identity());
+      const Mat3 metric =
+          m.weight * (m.n * m.n.transpose() + kSideways * kSideways * Mat3::Identity());
       const Rows weighted = metric * rows;
       a.noalias() += rows.transpose() * weighted;
       b.noalias() -= weighted.transpose() * (m.q - m.s);
@@ -144,7 +144,9 @@ struct Tally {
   }
 };
 
-double cost(const PartFit& part) { return part.mean_distance + 6 * (1 - part.agreement); }
+double cost(const PartFit& part) {
+  return part.mean_distance + 6 * (1 - part.agreement);
+}
 
 }  // namespace
 

@@ -10,9 +10,9 @@
 //   eye corners   the share of pits among 7 neighbours along that row: begin of the first peak, end
 //                 of the last (the source expects one peak per eye; a closed eye may give two). A
 //                 peak is a run whose share is at least half the row's largest
-// On a closed or coarse surface the deepest pit of an eye lies at its inner corner and the outer one
-// is no pit at all: the recipe then puts the outer corners 15 to 25 mm too near to the nose. That is
-// measured in docs/method/landmarks.md and left as it is.
+// On a closed or coarse surface the deepest pit of an eye lies at its inner corner and the outer
+// one is no pit at all: the recipe then puts the outer corners 15 to 25 mm too near to the nose.
+// That is measured in docs/method/landmarks.md and left as it is.
 #include "landmarks/published.hpp"
 
 #include <algorithm>

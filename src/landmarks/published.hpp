@@ -23,7 +23,8 @@ enum class SurfaceType {
 inline constexpr double kZeroMean = 1e-3;      ///< [1/mm] |H| below this counts as 0: radius 1 m
 inline constexpr double kZeroGaussian = 1e-5;  ///< [1/mm^2] |K| below this counts as 0
 
-/// From the signs of mean and Gaussian curvature (surface::Curvature's convention: a peak has H < 0).
+/// From the signs of mean and Gaussian curvature (surface::Curvature's convention: a peak has H <
+/// 0).
 [[nodiscard]] SurfaceType surface_type(const surface::Curvature& curvature);
 
 /// Nose tip, two nose corners and two outer eye corners, nothing else; confidence 0.5 throughout,

@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Borders are drawn once, on the mean face in [mm] of its head frame (origin midway between the
-// outer eye corners; nose tip (0, -37, 33), chin (0, -93, 13), ear centres (+-76, -16, -85)); a head's
-// point is carried there by FaceWarp and named. docs/method/regions.md shows the drawing.
+// outer eye corners; nose tip (0, -37, 33), chin (0, -93, 13), ear centres (+-76, -16, -85)); a
+// head's point is carried there by FaceWarp and named. docs/method/regions.md shows the drawing.
 #include "landmarks/regions.hpp"
 
 #include <fmt/format.h>
@@ -42,14 +42,10 @@ struct Place {
 
 // Lower border of the mandible from the menton to the angle, on to the ear lobe and the nape.
 double lower_border(double z) {
-  return curve(std::array<Knot, 7>{{{-165, -62},
-                                    {-110, -52},
-                                    {-84, -50},
-                                    {-68, -76},
-                                    {-50, -88},
-                                    {-22, -102},
-                                    {4, -112}}},
-               z);
+  return curve(
+      std::array<Knot, 7>{
+          {{-165, -62}, {-110, -52}, {-84, -50}, {-68, -76}, {-50, -88}, {-22, -102}, {4, -112}}},
+      z);
 }
 
 // Upper limit of the jaw: the body's band in front, the ramus up to the ear lobe behind.
@@ -78,9 +74,15 @@ double brow_high(double a) {
   return curve(std::array<Knot, 4>{{{0, 27}, {16, 28}, {34, 28}, {54, 20}}}, a);
 }
 
-bool is_ear(const Place& p) { return p.a > 58 && in_ellipse(p.z + 83, p.y + 15, 19, 34); }
-bool is_neck(const Place& p) { return p.y < lower_border(p.z); }
-bool is_eye(const Place& p) { return p.z > -18 && in_ellipse(p.a - 28.5, p.y + 2, 17, 13); }
+bool is_ear(const Place& p) {
+  return p.a > 58 && in_ellipse(p.z + 83, p.y + 15, 19, 34);
+}
+bool is_neck(const Place& p) {
+  return p.y < lower_border(p.z);
+}
+bool is_eye(const Place& p) {
+  return p.z > -18 && in_ellipse(p.a - 28.5, p.y + 2, 17, 13);
+}
 bool is_nose(const Place& p) {
   return p.z > -10 && p.y > -51 && p.y < 9 && p.a < nose_half_width(p.y);
 }
@@ -88,7 +90,9 @@ bool is_lips(const Place& p) {
   const double half_width = curve(std::array<Knot, 3>{{{-80, 12}, {-64, 27}, {-50, 19}}}, p.y);
   return p.z > -15 && p.y > -80 && p.y <= -50 && p.a < half_width;
 }
-bool is_chin(const Place& p) { return p.y < -78 && in_ellipse(p.a, p.y + 94, 24, 21) && p.z > -18; }
+bool is_chin(const Place& p) {
+  return p.y < -78 && in_ellipse(p.a, p.y + 94, 24, 21) && p.z > -18;
+}
 bool is_brow(const Place& p) {
   return p.z > -28 && p.a < 54 && p.y > brow_low(p.a) && p.y <= brow_high(p.a);
 }
@@ -100,7 +104,9 @@ bool is_forehead(const Place& p) {
 bool is_cheekbone(const Place& p) {
   return p.z > -66 && p.a > 26 && p.y > cheekbone_low(p.z) && p.y <= cheekbone_high(p.z);
 }
-bool is_jaw(const Place& p) { return p.z > -72 && p.a > 18 && p.y <= jaw_top(p.z); }
+bool is_jaw(const Place& p) {
+  return p.z > -72 && p.a > 18 && p.y <= jaw_top(p.z);
+}
 bool is_cheek(const Place& p) {
   return p.z > -50 && p.a > 22 && p.y > jaw_top(p.z) && p.y <= cheekbone_low(p.z);
 }
@@ -136,11 +142,12 @@ SkinRegion region_at(const Place& p, double normal_up) {
 
 }  // namespace
 
-std::vector<SkinRegion> skin_regions(const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
+std::vector<SkinRegion> skin_regions(const std::vector<Vec3>& points,
+                                     const std::vector<Vec3>& normals,
                                      const LandmarkSet& landmarks) {
   if (normals.size() != points.size()) {
-    throw InputError(fmt::format("skin regions: {} normals for {} points", normals.size(),
-                                 points.size()));
+    throw InputError(
+        fmt::format("skin regions: {} normals for {} points", normals.size(), points.size()));
   }
   const FaceWarp warp(landmarks);
   std::vector<SkinRegion> regions;

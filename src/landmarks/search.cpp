@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Every dome of the surface may be the nose tip. A dome points away from the middle of its
 // surroundings, as the nose does in the model; the roll about that direction is tried in steps. The
-// statistical face is laid on the surface for each hypothesis, roughly for all, better for the best.
+// statistical face is laid on the surface for each hypothesis, roughly for all, better for the
+// best.
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -74,9 +75,8 @@ void refine(const Skin& skin, std::vector<Hypothesis>& all, const FitSchedule& s
 void drop_repeats(std::vector<Hypothesis>& all) {
   std::vector<Hypothesis> kept;
   for (const Hypothesis& h : all) {
-    const bool repeat = std::any_of(kept.begin(), kept.end(), [&](const Hypothesis& k) {
-      return same_place(k.pose, h.pose);
-    });
+    const bool repeat = std::any_of(
+        kept.begin(), kept.end(), [&](const Hypothesis& k) { return same_place(k.pose, h.pose); });
     if (!repeat) kept.push_back(h);
   }
   all = std::move(kept);
@@ -89,9 +89,8 @@ std::vector<int> dome_points(const Skin& skin, int at_most) {
   for (std::size_t i = 0; i < skin.mesh.points.size(); ++i) {
     if (skin.curvature[i].k_max < kFlattest) order.push_back(static_cast<int>(i));
   }
-  std::stable_sort(order.begin(), order.end(), [&](int a, int b) {
-    return skin.curvature[a].k_max < skin.curvature[b].k_max;
-  });
+  std::stable_sort(order.begin(), order.end(),
+                   [&](int a, int b) { return skin.curvature[a].k_max < skin.curvature[b].k_max; });
   std::vector<int> domes;
   for (int i : order) {
     const bool apart = std::all_of(domes.begin(), domes.end(), [&](int j) {

@@ -72,8 +72,7 @@ double confidence(const Skin& skin, const FacePose& pose, const std::string& nam
       if ((model.points[i] - mark).norm() > reach) continue;
       const Vec3 q = pose.to_scan(model.point(i, pose.shape));
       skin.tree.nearest(q, 1, found);
-      const bool like =
-          skin.normals[found[0].point].dot(pose.rotation * model.normals[i]) > 0.2;
+      const bool like = skin.normals[found[0].point].dot(pose.rotation * model.normals[i]) > 0.2;
       sum += like ? std::min(std::sqrt(found[0].distance2), kWorst) : kWorst;
       ++n;
     }
