@@ -229,7 +229,8 @@ std::vector<SampleFile> sample_files(int levels) {
 }
 
 TemporaryFolder::TemporaryFolder() {
-  std::string name = (std::filesystem::temp_directory_path() / "palpate-io-XXXXXX").string();
+  std::string name = (std::filesystem::temp_directory_path() / "palpate-io-").string() +
+                     std::string(6, 'X');  // mkdtemp replaces them
   if (!::mkdtemp(name.data())) throw std::runtime_error("no temporary folder");
   path = name;
 }
