@@ -30,13 +30,16 @@ constexpr int kRimIterations = 2;  // after pockets are closed, to even out thei
 // [target edges] Scans are thinned to this before remeshing: coarse enough to be quick, fine enough
 // that the first remeshing pass still has points to choose from.
 constexpr double kThin = 0.5;
-// [-] 36 pi V^2 / A^3 of the closed surface: 1 for a sphere, about 0.5 for a bust, 0.05 for a face
+// [-] 36 pi V^2 / A^3 of the closed surface: 1 for a sphere, about 0.5 for a bust, 0.1 for a face
 // mask closed across its rim; a sheet has 0. Below it nothing can be called inside.
 constexpr double kFlattest = 1e-3;
 constexpr double kSmallest = 10;  // [target edges] across: an object of fewer has no shape left
 constexpr double kMostTriangles = 4e6;  // of the working mesh: a bust at 1 mm has 0.8 M
 // [target edges] Width of gaps that a wrap bridges, and its distance from the surface.
 constexpr double kWrapAlpha = 2.0, kWrapOffset = 0.1;
+// [target edges] 95th percentile of the deviation beyond which the result is another shape: a wrap
+// costs up to its alpha, good scans a tenth of an edge.
+constexpr double kFarthest = 2.0;
 // [target edges] A wrapped point farther than this from the scan has no scan nearby.
 constexpr double kNearby = 0.5;
 
@@ -178,6 +181,14 @@ void measure_deviation(const std::vector<Vec3>& scan, const SurfaceMesh& working
   report.deviation_all_p95_mm = percentile_95(all);
 }
 
+void check_result(const RepairReport& report, double edge) {
+  if (report.deviation_p95_mm > kFarthest * edge)
+    throw InputError(fmt::format(
+        "the scan passes through itself too often: repair missed 5 % of it by more than {:.1f} mm; "
+        "clean it in a mesh editor",
+        report.deviation_p95_mm));
+}
+
 void describe(RepairReport& r) {
   const auto count = [&](std::size_t n, const char* what) {
     if (n > 0) r.lines.push_back(fmt::format("{} {}", n, what));
@@ -238,15 +249,17 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
 
   blend_covers(m);
   conform(m, scan_samples(base), edge, progress);
+  const SurfaceMesh tangled = m.to_surface();
   report.wrapped = !untangle(m, edge, progress);
   std::vector<std::uint8_t> near_cover = near_covers(m);
   w.mesh = m.to_surface();
   if (report.wrapped) {
-    w.mesh = wrapped(w.mesh, edge, progress);
+    w.mesh = wrapped(tangled, edge, progress);
     near_cover.assign(w.mesh.points.size(), 0);
   }
   flag_filled(w, *query, base, kNearby * edge);
   measure_deviation(scan_points, w.mesh, near_cover, with_pockets.get(), pockets, report);
+  check_result(report, edge);
   describe(report);
   return w;
 }

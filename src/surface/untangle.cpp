@@ -14,6 +14,8 @@ constexpr int kSmoothRounds = 6, kCutRounds = 4;  // each reaches one ring furth
 constexpr int kSweeps = 5;  // of averaging: a fold of one edge is gone after three
 // [-] Share of faces that meet others. More is not a spot but a surface that passes through itself.
 constexpr double kSpots = 0.02;
+// [-] Share of faces that may be cut out in one round.
+constexpr double kLargestCut = 0.1;
 
 // Coordinates become single-precision numbers first, so that any file format carries a surface that
 // is as free of intersections as this one.
@@ -70,8 +72,8 @@ bool untangle(CornerMesh& m, double edge, const Progress& progress) {
       smooth(m, meets);
     } else {
       grow(m, meets, 1 + round - kSmoothRounds);
+      if (static_cast<double>(count(meets)) > kLargestCut * m.faces()) return false;
       m.remove_faces(meets);
-      if (m.faces() == 0) return false;
       fill_holes(m, edge, progress);
     }
   }
