@@ -16,7 +16,7 @@ struct Landmark {
 
 /// Keyed by name: nose_tip, nose_corner_left, nose_corner_right, eye_outer_left, eye_inner_left,
 /// eye_inner_right, eye_outer_right; optional: chin, nasion, glabella, mouth_corner_left,
-/// mouth_corner_right, ear_left, ear_right (centre of the auricle).
+/// mouth_corner_right, ear_left, ear_right (centre of the auricle), gnathion, subnasale, stomion.
 using LandmarkSet = std::map<std::string, Landmark>;
 
 /// Head frame: +x to the subject's left, +y up, +z out of the face, origin midway between the outer

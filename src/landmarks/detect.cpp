@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <set>
 
 #include "core/error.hpp"
 #include "landmarks/pose.hpp"
@@ -14,6 +15,12 @@
 
 namespace palpate::landmarks {
 namespace {
+
+// The points of the contract are always answered, the others only where the scan has such a part.
+const std::set<std::string> kAlways = {"nose_tip",       "nose_corner_left", "nose_corner_right",
+                                       "eye_outer_left", "eye_inner_left",   "eye_inner_right",
+                                       "eye_outer_right"};
+constexpr double kThere = 0.3;  // [-] confidence
 
 HeadFrame frame_of(const FacePose& pose) {
   HeadFrame frame;
@@ -58,13 +65,21 @@ LandmarkSet robust_landmarks(const Skin& skin, const FacePose& pose, const HeadF
   put_on_surface(skin, frame, marks);
   const Relief relief = cast_relief(skin.query, frame, {-75, 75, -130, 70});
   marks["nose_tip"] = sharpen_nose_tip(relief, marks["nose_tip"]);
+  const double tip = marks["nose_tip"].y();
+  const Relief nose = cast_relief(skin.query, frame, {-35, 35, tip - 25, tip + 25}, 0.5);
+  for (const char* name : {"nose_corner_left", "nose_corner_right"}) {
+    marks[name] = sharpen_nose_corner(nose, marks[name]);
+  }
   if (scan) {
     for (const auto& [name, p] : eye_corners(skin, *scan, frame, marks)) {
       marks[name] = frame.to_head(p);
     }
   }
   LandmarkSet set;
-  for (const auto& [name, p] : marks) set[name] = {frame.to_scan(p), confidence(skin, pose, name)};
+  for (const auto& [name, p] : marks) {
+    const double sure = confidence(skin, pose, name);
+    if (sure >= kThere || kAlways.contains(name)) set[name] = {frame.to_scan(p), sure};
+  }
   return set;
 }
 

@@ -30,9 +30,10 @@ struct Detection {
 /// Robust: a statistical face is laid on the surface from every dome, direction and roll; the best
 /// one that passes as a face and has the back of a head behind it gives the frame and, sharpened by
 /// the local surface, the points. Published: the source's recipe (4.2.1) in that frame; it knows
-/// the nose tip, two nose corners and two outer eye corners only. Confidence: 1 for a given point;
-/// otherwise how well the surface around agrees with a face (from the misfit of the neighbouring
-/// model points), below 0.3 where the scan has no such part.
+/// the nose tip, two nose corners and two outer eye corners only.
+/// Confidence: 1 for a given point; 1 less the mean misfit of the neighbouring model points over
+/// 6 mm for a robust one; 0.5 for every published one. Optional points (core/landmarks.hpp, and
+/// gnathion, subnasale, stomion) below 0.3 are left out: the scan has no such part.
 /// @param skin  closed working surface in the scan's frame, any pose, [mm]
 ///              (surface::make_working_surface)
 /// @throws InputError  no face found (a cube, a hand), no back of the head: says what was looked

@@ -3,13 +3,14 @@
 
 #include <algorithm>
 #include <cmath>
+#include <vector>
 
 namespace palpate::landmarks {
 
-// The tip is the middle of the cap that stands out most along the head's z. Landmark sets disagree on
-// where a hanging or bulbous tip has its point, by 4 mm along the nose's ridge; the foremost place
-// lies between (measured: 5 degrees more or less of pitch moves it by 0.6 mm). The cap's depth
-// averages over facets and noise where the tip is nearly flat.
+// The tip is the middle of the cap that stands out most along the head's z. Landmark sets disagree
+// on where a hanging or bulbous tip has its point, by 4 mm along the nose's ridge; the foremost
+// place lies between (measured: 5 degrees more or less of pitch moves it by 0.6 mm). The cap's
+// depth averages over facets and noise where the tip is nearly flat.
 Vec3 sharpen_nose_tip(const Relief& relief, const Vec3& guess) {
   constexpr double kReach = 9;       // [mm] of the guess; the model's error is 6 mm at most
   constexpr double kCapDepth = 0.5;  // [mm]
@@ -35,6 +36,76 @@ Vec3 sharpen_nose_tip(const Relief& relief, const Vec3& guess) {
   if (weight <= 0) return guess;
   const double z = relief.height(x / weight, y / weight);
   return std::isfinite(z) ? Vec3(x / weight, y / weight, z) : guess;
+}
+
+namespace {
+
+// One horizontal profile across a nose wing: where it falls steepest and where it ends in the
+// crease.
+struct WingRow {
+  double y = 0;         // [mm]
+  double slope = 0;     // [-] largest fall
+  double steepest = 0;  // [mm] |x| of it
+  double crease = 0;    // [mm] |x| of the sharpest valley at or beyond it
+};
+
+WingRow wing_row(const Relief& relief, double y, double side, double from, double to) {
+  constexpr double kSlopeBase = 1, kValleyBase = 2;  // [mm] half widths of the differences
+  WingRow row{.y = y};
+  for (double a = from; a <= to; a += relief.step) {
+    const double fall =
+        (relief.height(side * (a - kSlopeBase), y) - relief.height(side * (a + kSlopeBase), y)) /
+        (2 * kSlopeBase);
+    if (fall > row.slope) {
+      row.slope = fall;
+      row.steepest = a;
+    }
+  }
+  double sharpest = 0;
+  row.crease = row.steepest;
+  for (double a = row.steepest; a <= row.steepest + 4; a += relief.step) {
+    const double bend = relief.height(side * (a - kValleyBase), y) +
+                        relief.height(side * (a + kValleyBase), y) - 2 * relief.height(side * a, y);
+    if (bend > sharpest) {
+      sharpest = bend;
+      row.crease = a;
+    }
+  }
+  return row;
+}
+
+}  // namespace
+
+// The wing's wall stands between the steepest place and the crease; the corner is half way, at the
+// height where the wall stands farthest out (the middle of the rows within 1.5 mm of that).
+Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess) {
+  constexpr double kUpDown = 8, kAcross = 7, kFarthest = 1.5;  // [mm]; the guess errs by 5 at most
+  const double side = guess.x() > 0 ? 1 : -1, a = std::abs(guess.x());
+  std::vector<WingRow> rows;
+  double steepest = 0, widest = 0;
+  for (double y = guess.y() - kUpDown; y <= guess.y() + kUpDown; y += relief.step) {
+    rows.push_back(wing_row(relief, y, side, std::max(4.0, a - kAcross), a + kAcross));
+    steepest = std::max(steepest, rows.back().slope);
+  }
+  // Rows above and below the wing fall gently; where even the steepest does, there is no wing. What
+  // overhangs (a hooked tip) is steeper than any wing and must not set the scale.
+  constexpr double kGentlest = 1, kSteepWing = 4;  // [-] 45 and 76 degrees
+  if (steepest < kGentlest) return guess;
+  const double enough = 0.5 * std::min(steepest, kSteepWing);
+  const auto counts = [&](const WingRow& row) { return row.slope > enough; };
+  for (const WingRow& row : rows) {
+    if (counts(row)) widest = std::max(widest, row.steepest);
+  }
+  double weight = 0, x = 0, y = 0;
+  for (const WingRow& row : rows) {
+    const double w = counts(row) ? std::max(0.0, row.steepest - (widest - kFarthest)) : 0;
+    weight += w;
+    x += w * 0.5 * (row.steepest + row.crease);
+    y += w * row.y;
+  }
+  if (weight <= 0) return guess;
+  const Vec3 corner(side * x / weight, y / weight, relief.height(side * x / weight, y / weight));
+  return corner.allFinite() ? corner : guess;
 }
 
 }  // namespace palpate::landmarks

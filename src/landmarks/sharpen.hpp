@@ -7,9 +7,13 @@
 
 namespace palpate::landmarks {
 
-/// All points in the head frame, [mm]; the guess is returned where the surface shows nothing better.
+/// All points in the head frame, [mm]; the guess is returned where the surface shows nothing
+/// better.
 [[nodiscard]] Vec3 sharpen_nose_tip(const Relief& relief, const Vec3& guess);
 
+/// The nose corner (alar curvature point): the foot of the nose wing where the nose is widest.
+/// @param relief  of the nose's surroundings, steps of at most 0.5 mm
+[[nodiscard]] Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess);
 /// The outer corner of an eye that is open in the scan (a hole or a socket between the lids): the
 /// opening's end away from the nose. Nothing where the eye is closed or the opening is no eye's.
 /// @param scan    the scan itself, holes and all

@@ -50,7 +50,7 @@ void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::str
         depth * found.pose.scale));
   }
   if (!fit.has_lower_face()) {
-    warnings.push_back("the scan ends above the chin: mouth and chin are guesses");
+    warnings.push_back("the scan ends above the chin: points that it does not show are left out");
   }
   if (found.rival.cost() < fit.cost() + 1) {
     warnings.push_back("a second place looks almost as much like a face; check the landmarks");
