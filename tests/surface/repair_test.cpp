@@ -10,6 +10,7 @@
 #include "core/error.hpp"
 #include "shapes.hpp"
 #include "surface/query.hpp"
+#include "surface/wrap.hpp"
 
 namespace palpate::surface {
 namespace {
@@ -234,6 +235,35 @@ TEST(Repair, SurfaceThroughItselfComesOutClean) {
   const SurfaceQuery query(w.mesh);
   EXPECT_NEAR(query.signed_distance(Vec3(90, 0, 0)), 0, 1.5);
   EXPECT_NEAR(query.signed_distance(Vec3(30, 0, 60)), 0, 1.5);
+}
+
+TEST(Repair, WrapIsTheOuterSkinOfAnything) {
+  SurfaceMesh m = shapes::sphere(30, 3);
+  shapes::append(m, shapes::sphere(30, 3, Vec3(30, 0, 0)));
+  std::erase_if(m.triangles, [n = 0](const Triangle&) mutable { return n++ % 50 == 0; });
+  const SurfaceMesh w = alpha_wrap(m, 10, 0.3);
+  expect_clean(w);
+  const SurfaceQuery query(w);
+  for (const Vec3& p : {Vec3(-30, 0, 0), Vec3(60, 0, 0), Vec3(0, 30, 0), Vec3(30, 0, -30)})
+    EXPECT_NEAR(query.signed_distance(p), 0, 1);
+  EXPECT_LT(query.signed_distance(Vec3(15, 0, 0)), -20);
+}
+
+TEST(Repair, RefusesToGuessAtARuin) {
+  SurfaceMesh m = shapes::sphere(60, 4);  // points 12 mm off, edges of 6 mm
+  for (std::size_t v = 0; v < m.points.size(); ++v)
+    m.points[v] += 12 * shapes::halton(static_cast<int>(v));
+  EXPECT_THROW((void)make_working_surface(m), InputError);
+}
+
+TEST(Repair, NoiseOfAnEdgeLengthGoesThrough) {
+  SurfaceMesh m = shapes::sphere(60, 5);
+  for (std::size_t v = 0; v < m.points.size(); ++v)
+    m.points[v] += 2 * shapes::halton(static_cast<int>(v));
+  ASSERT_GT(self_intersections(m).size(), 100u);
+  const WorkingSurface w = make_working_surface(m);
+  expect_clean(w.mesh);
+  EXPECT_NEAR(signed_volume(w.mesh) / ball(60), 1, 5e-3);
 }
 
 TEST(Repair, OnePointPushedThroughTheSkinIsPulledBack) {
