@@ -1,0 +1,338 @@
+// SPDX-License-Identifier: Apache-2.0
+// Haply Inverse3 through its maker's local service: WebSocket, JSON, metres, newtons. The service
+// answers each message with exactly one state and sends nothing unasked, except a first message
+// with the inventory; forces are not persistent; unknown keys are ignored without a word, so the
+// force that the service reports back is compared with the one sent. Axes: +x right, +y away from
+// the user, +z up.
+//
+// A thread of its own talks to the service; the loop sees the latest sample and leaves the latest
+// force. Source: the maker's protocol documentation, version 3.5.
+#include <fmt/format.h>
+
+#include <atomic>
+#include <boost/asio/io_context.hpp>
+#include <boost/asio/ip/tcp.hpp>
+#include <boost/beast/core.hpp>
+#include <boost/beast/websocket.hpp>
+#include <chrono>
+#include <cmath>
+#include <deque>
+#include <mutex>
+#include <nlohmann/json.hpp>
+#include <thread>
+
+#include "core/error.hpp"
+#include "haptics/find_devices.hpp"
+#include "haptics/realtime.hpp"
+#include "haptics/seqlock.hpp"
+
+namespace palpate::haptics {
+
+namespace {
+
+namespace asio = boost::asio;
+namespace beast = boost::beast;
+using Json = nlohmann::json;
+
+constexpr double kMillimetres = 1000;
+constexpr std::int64_t kOldForce = 5'000'000;     // [ns] older forces are sent as zero
+constexpr std::size_t kLargestMessage = 1 << 20;  // [byte] an inventory has a few kilobytes
+constexpr std::string_view kStopEvent = "device-safety-triggered";
+
+/// A WebSocket client with a deadline on each step; runs its own event loop on the caller's thread.
+class Channel {
+ public:
+  Channel(asio::io_context& io, const std::string& host, unsigned short port, double timeout)
+      : io_(io),
+        socket_(io),
+        timeout_(std::chrono::milliseconds(static_cast<int>(1000 * timeout))) {
+    beast::error_code error;
+    const auto address = asio::ip::make_address(host, error);
+    if (error) throw InputError(fmt::format("'{}' is not an address", host));
+    auto& tcp = beast::get_lowest_layer(socket_);
+    step([&](auto done) { tcp.async_connect(asio::ip::tcp::endpoint(address, port), done); },
+         "connect");
+    beast::error_code ignored;
+    tcp.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
+    const std::string where = fmt::format("{}:{}", host, port);
+    step([&](auto done) { socket_.async_handshake(where, "/", done); }, "shake hands");
+    socket_.read_message_max(kLargestMessage);
+  }
+
+  void send(const std::string& text) {
+    step(
+        [&](auto done) {
+          socket_.async_write(asio::buffer(text),
+                              [done](beast::error_code e, std::size_t) { done(e); });
+        },
+        "send");
+  }
+  [[nodiscard]] std::string receive() {
+    beast::flat_buffer buffer;
+    step(
+        [&](auto done) {
+          socket_.async_read(buffer, [done](beast::error_code e, std::size_t) { done(e); });
+        },
+        "receive");
+    return beast::buffers_to_string(buffer.data());
+  }
+  /// Reads one message whenever it comes; `told` gets it while other steps run.
+  template <class Told>
+  void listen(Told told) {
+    beast::get_lowest_layer(socket_).expires_never();
+    socket_.async_read(unasked_, [this, told](beast::error_code e, std::size_t) {
+      if (e) return;
+      told(beast::buffers_to_string(unasked_.data()));
+      unasked_.consume(unasked_.size());
+      listen(told);
+    });
+  }
+
+ private:
+  template <class Start>
+  void step(Start start, const char* what) {
+    beast::get_lowest_layer(socket_).expires_after(timeout_);
+    bool finished = false;
+    beast::error_code error;
+    start([&](beast::error_code e) {
+      error = e;
+      finished = true;
+    });
+    io_.restart();
+    while (!finished && io_.run_one() > 0) {
+    }
+    if (error == beast::error::timeout) throw InputError(fmt::format("cannot {}: no answer", what));
+    if (error) throw InputError(fmt::format("cannot {}: {}", what, error.message()));
+  }
+
+  asio::io_context& io_;
+  beast::websocket::stream<beast::tcp_stream> socket_;
+  std::chrono::milliseconds timeout_;
+  beast::flat_buffer unasked_;
+};
+
+// Finds our device in a message of the service; null where it is not listed.
+const Json* entry_of(const Json& message, const std::string& id) {
+  const auto list = message.find("inverse3");
+  if (list == message.end() || !list->is_array()) return nullptr;
+  for (const Json& entry : *list) {
+    if (!entry.is_object()) continue;
+    const auto name = entry.find("device_id");
+    if (name == entry.end() || !name->is_string()) continue;
+    if (id.empty() || name->get_ref<const std::string&>() == id) return &entry;
+  }
+  return nullptr;
+}
+
+bool vector_of(const Json& state, const char* key, Vec3& out) {
+  const auto v = state.find(key);
+  if (v == state.end() || !v->is_object()) return false;
+  int axis = 0;
+  for (const char* name : {"x", "y", "z"}) {
+    const auto c = v->find(name);
+    if (c == v->end() || !c->is_number()) return false;
+    out[axis++] = c->get<double>();
+  }
+  return true;
+}
+
+Vec3 to_user(const Vec3& v) {
+  return {v.x(), v.z(), -v.y()};
+}
+Vec3 to_service(const Vec3& v) {
+  return {v.x(), -v.z(), v.y()};
+}
+
+/// Holds what was sent lately against what the service says that it applies.
+class EchoCheck {
+ public:
+  /// Returns false once the force has been disregarded for kPatience answers in a row.
+  bool agrees(const Vec3& sent, const Vec3& applied) {
+    recent_.push_back(sent);
+    if (recent_.size() > kLag) recent_.pop_front();
+    bool near = false, strong = true;
+    for (const Vec3& f : recent_) {
+      near = near || (f - applied).norm() < 0.5 * f.norm() + kSmall;
+      strong = strong && f.norm() > 3 * kSmall;
+    }
+    misses_ = near || !strong ? 0 : misses_ + 1;
+    return misses_ < kPatience;
+  }
+
+ private:
+  static constexpr std::size_t kLag = 8;  // answers by which the echo may trail
+  static constexpr double kSmall = 0.1;   // [N] below it friction and rounding decide
+  static constexpr int kPatience = 100;   // answers, about 0.1 s
+  std::deque<Vec3> recent_;
+  int misses_ = 0;
+};
+
+class Inverse3 final : public Device {
+ public:
+  Inverse3(std::string device_id, const FindOptions& options)
+      : id_(std::move(device_id)),
+        channel_(io_, options.inverse_host, options.inverse_port, options.timeout) {
+    const Json inventory = parse(channel_.receive());
+    const Json* entry = entry_of(inventory, id_);
+    if (!entry)
+      throw InputError(id_.empty() ? "the service runs, but lists no Inverse3; is it plugged in?"
+                                   : fmt::format("the service lists no Inverse3 '{}'", id_));
+    id_ = entry->at("device_id").get<std::string>();
+    quoted_id_ = Json(id_).dump();
+    info_.backend = "inverse3:" + id_;
+    info_.name = "Haply Inverse3";
+    info_.serial = id_;
+    info_.limits = *limits_of("Haply Inverse3");
+    // The middle of the arm's reach, as the maker's examples take it: 0, -0.12, 0.15 m.
+    info_.center = kMillimetres * to_user(Vec3(0, -0.12, 0.15));
+    listen_for_stops(options);
+    thread_ = std::thread([this] { talk(); });
+  }
+  ~Inverse3() override {
+    stop_ = true;
+    thread_.join();
+  }
+  Inverse3(const Inverse3&) = delete;
+  Inverse3& operator=(const Inverse3&) = delete;
+
+  const DeviceInfo& info() const override { return info_; }
+  DeviceStatus read(DeviceSample& sample) noexcept override {
+    const DeviceStatus status = status_.load(std::memory_order_acquire);
+    if (status == DeviceStatus::ok || status == DeviceStatus::ignored) sample = sample_.load();
+    return status;
+  }
+  DeviceStatus write(const Vec3& force) noexcept override {
+    force_.store({force, monotonic_ns()});
+    return status_.load(std::memory_order_acquire);
+  }
+  void release() noexcept override { muted_at_.store(monotonic_ns(), std::memory_order_relaxed); }
+  std::string trouble() const override {
+    const std::lock_guard lock(trouble_mutex_);
+    return trouble_;
+  }
+
+ private:
+  struct TimedForce {
+    Vec3 force = Vec3::Zero();
+    std::int64_t time_ns = 0;
+  };
+
+  static Json parse(const std::string& text) {
+    Json message = Json::parse(text, nullptr, false);
+    if (message.is_discarded() || !message.is_object())
+      throw InputError(
+          "the service sent something that is not JSON; is it Haply's, version 3.1 or "
+          "later?");
+    return message;
+  }
+  void note(const std::string& text) {
+    const std::lock_guard lock(trouble_mutex_);
+    trouble_ = text;
+  }
+  // Without events a stop shows in the state only; the device is used all the same.
+  void listen_for_stops(const FindOptions& options) {
+    try {
+      events_ = std::make_unique<Channel>(io_, options.inverse_host, options.inverse_event_port,
+                                          options.timeout);
+      events_->listen([this](const std::string& text) {
+        if (text.find(kStopEvent) != std::string::npos) stopped_ = true;
+      });
+    } catch (const InputError& e) {
+      note(fmt::format("the service's events are not heard ({})", e.what()));
+    }
+  }
+
+  Vec3 force_to_send() {
+    const TimedForce wish = force_.load();
+    const bool valid = monotonic_ns() - wish.time_ns < kOldForce &&
+                       wish.time_ns > muted_at_.load(std::memory_order_relaxed);
+    return valid && !stopped_ ? wish.force : Vec3::Zero();
+  }
+  void talk() {
+    try {
+      while (!stop_) exchange(force_to_send());
+      exchange(Vec3::Zero());
+    } catch (const std::exception& e) {
+      note(e.what());
+      status_.store(DeviceStatus::lost, std::memory_order_release);
+    }
+  }
+  // One message out, one state in.
+  void exchange(const Vec3& force) {
+    const Vec3 f = to_service(force);
+    channel_.send(fmt::format(
+        R"({{"inverse3":[{{"device_id":{},"commands":{{"set_cursor_force":{{"vector":{{"x":{},"y":{},"z":{}}}}}}}}}]}})",
+        quoted_id_, f.x(), f.y(), f.z()));
+    const Json message = parse(channel_.receive());
+    const Json* entry = entry_of(message, id_);
+    if (!entry) throw InputError("the device is no longer listed: unplugged or switched off");
+    const auto state = entry->find("state");
+    DeviceSample s;
+    Vec3 position, velocity, applied;
+    if (state == entry->end() || !vector_of(*state, "cursor_position", position))
+      throw InputError(
+          "the service's state has no cursor_position; version 3.1 or later is needed");
+    s.position = kMillimetres * to_user(position);
+    s.has_velocity = vector_of(*state, "cursor_velocity", velocity);
+    if (s.has_velocity) s.velocity = kMillimetres * to_user(velocity);
+    s.number = ++number_;
+    sample_.store(s);
+    DeviceStatus status = DeviceStatus::ok;
+    if (vector_of(*state, "current_cursor_force", applied) && !echo_.agrees(f, applied)) {
+      note("the service does not apply our forces; is another program using the device?");
+      status = DeviceStatus::ignored;
+    }
+    if (stopped_) {
+      note("the device's safety stop was triggered; clear it and open the device again");
+      status = DeviceStatus::stopped;
+    }
+    status_.store(status, std::memory_order_release);
+  }
+
+  std::string id_, quoted_id_;
+  asio::io_context io_;
+  Channel channel_;
+  std::unique_ptr<Channel> events_;
+  DeviceInfo info_;
+  EchoCheck echo_;
+  std::uint64_t number_ = 0;
+  bool stopped_ = false;
+  SeqLock<DeviceSample> sample_;
+  SeqLock<TimedForce> force_;
+  std::atomic<std::int64_t> muted_at_{0};
+  std::atomic<DeviceStatus> status_{DeviceStatus::waiting};
+  std::atomic<bool> stop_{false};
+  mutable std::mutex trouble_mutex_;
+  std::string trouble_;
+  std::thread thread_;
+};
+
+constexpr const char* kRemedy =
+    "start Haply's inverse service (Haply Hub, or systemctl start haply-inverse-service)";
+
+}  // namespace
+
+std::unique_ptr<Device> open_inverse3(const std::string& device_id, const FindOptions& options) {
+  try {
+    return std::make_unique<Inverse3>(device_id, options);
+  } catch (const InputError& e) {
+    const std::string why = e.what();
+    const bool unreachable = why.starts_with("cannot connect");
+    throw InputError(fmt::format("inverse3: {} on {}:{}{}{}", why, options.inverse_host,
+                                 options.inverse_port, unreachable ? "; " : "",
+                                 unreachable ? kRemedy : ""));
+  }
+}
+
+std::vector<DeviceFinding> find_inverse3(const FindOptions& options) {
+  try {
+    const auto device = open_inverse3("", options);
+    return {{device->info().backend, device->info().name, true, describe(device->info())}};
+  } catch (const InputError& e) {
+    std::string why = e.what();
+    if (why.starts_with("inverse3: ")) why.erase(0, 10);
+    return {{"inverse3", "Haply Inverse3", false, why}};
+  }
+}
+
+}  // namespace palpate::haptics

@@ -1,0 +1,334 @@
+// SPDX-License-Identifier: Apache-2.0
+// Each backend against a peer that behaves, and one that does not.
+#include <dlfcn.h>
+#include <gtest/gtest.h>
+
+#include <chrono>
+#include <thread>
+
+#include "core/error.hpp"
+#include "fake_dhd.hpp"
+#include "fake_hd.hpp"
+#include "fake_inverse_service.hpp"
+#include "haptics/cycle.hpp"
+#include "haptics/find_devices.hpp"
+#include "haptics/realtime.hpp"
+#include "scenes.hpp"
+
+namespace palpate::haptics {
+namespace {
+
+// Waits until `holds`, at most two seconds: peers run in threads of their own.
+template <class Condition>
+bool soon(Condition holds) {
+  for (int i = 0; i < 400; ++i) {
+    if (holds()) return true;
+    std::this_thread::sleep_for(std::chrono::milliseconds(5));
+  }
+  return false;
+}
+std::string reason(const auto& open) {
+  try {
+    (void)open();
+  } catch (const InputError& e) {
+    return e.what();
+  }
+  return "";
+}
+
+class ForceDimension : public testing::Test {
+ protected:
+  ForceDimension() {
+    options_.dhd_libraries = {FAKE_DHD};
+    handle_ = dlopen(FAKE_DHD, RTLD_NOW);
+    auto* get = reinterpret_cast<FakeDhd* (*)()>(dlsym(handle_, "fake_dhd"));
+    fake_ = get();
+    *fake_ = FakeDhd{};
+  }
+  ~ForceDimension() override { dlclose(handle_); }
+  FindOptions options_;
+  void* handle_;
+  FakeDhd* fake_;
+};
+
+TEST_F(ForceDimension, TurnsAxesAndUnits) {
+  const auto device = open_device("force-dimension", options_);
+  EXPECT_EQ(device->info().name, "Novint Falcon");
+  EXPECT_EQ(device->info().limits.peak_force, 8.0);
+  EXPECT_EQ(fake_->enabled, 1);
+  DeviceSample s;
+  ASSERT_EQ(device->read(s), DeviceStatus::ok);
+  // SDK: x towards the user, y right, z up, in metres.
+  EXPECT_LT((s.position - Vec3(20, 30, 10)).norm(), 1e-12);
+  EXPECT_LT((s.velocity - Vec3(2, 3, 1)).norm(), 1e-12);
+  EXPECT_EQ(device->write(Vec3(1, 2, 3)), DeviceStatus::ok);
+  EXPECT_EQ(fake_->force[0], 3);
+  EXPECT_EQ(fake_->force[1], 1);
+  EXPECT_EQ(fake_->force[2], 2);
+  EXPECT_EQ(fake_->position_id, 3) << "the id that opening gave, not a default";
+}
+
+TEST_F(ForceDimension, WhatTheDeviceReportsWins) {
+  fake_->max_force = 4.5;
+  EXPECT_EQ(open_device("force-dimension:0", options_)->info().limits.peak_force, 4.5);
+}
+
+TEST_F(ForceDimension, ClosesWithForceOff) {
+  open_device("force-dimension", options_).reset();
+  EXPECT_EQ(fake_->closed_id, 3);
+  EXPECT_EQ(fake_->enabled, 0);
+  EXPECT_EQ(fake_->force[0], 0);
+}
+
+TEST_F(ForceDimension, FaultsShow) {
+  const auto device = open_device("force-dimension", options_);
+  DeviceSample s;
+  (void)device->read(s);
+  const std::uint64_t number = s.number;
+  fake_->position_result = 1;  // asked too soon: the same sample
+  EXPECT_EQ(device->read(s), DeviceStatus::ok);
+  EXPECT_EQ(s.number, number);
+  fake_->position_result = -1;
+  EXPECT_EQ(device->read(s), DeviceStatus::lost);
+  EXPECT_EQ(device->trouble(), "fake error");
+  fake_->force_result = 2;  // motors saturated: the device limits by itself
+  EXPECT_EQ(device->write(Vec3::Zero()), DeviceStatus::ok);
+  fake_->force_result = -1;
+  EXPECT_EQ(device->write(Vec3::Zero()), DeviceStatus::lost);
+}
+
+TEST_F(ForceDimension, UnpluggedInContactIsZeroForce) {
+  const TouchModel model = make_touch_model(scenes::even_sphere(30, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("falcon"));
+  const auto device = open_device("force-dimension", options_);
+  TouchCycle cycle(setup, *device, Workspace{});
+  std::int64_t now = 1;
+  for (double z = 0.1; z > 0.092; z -= 0.0001) {
+    fake_->position[0] = fake_->position[1] = 0;
+    fake_->position[2] = z;
+    cycle.advance(now += 1'000'000, 0);
+  }
+  EXPECT_GT(fake_->force[2], 1);
+  fake_->position_result = -1;
+  cycle.advance(now += 1'000'000, 0);
+  EXPECT_EQ(fake_->force[2], 0);
+  EXPECT_EQ(cycle.latest().trip, Trip::device);
+  fake_->position_result = 0;
+  fake_->position[1] = std::nan("");
+  cycle.advance(now += 1'000'000, 0);
+  EXPECT_EQ(cycle.latest().trip, Trip::not_finite);
+  EXPECT_EQ(fake_->force[2], 0);
+}
+
+TEST_F(ForceDimension, WhatIsMissingIsNamed) {
+  const auto open = [&] { return open_device("force-dimension", options_); };
+  fake_->sdk_major = 2;
+  EXPECT_NE(reason(open).find("SDK 2.17.1"), std::string::npos);
+  fake_->sdk_major = 3;
+  fake_->refuses_open = true;
+  EXPECT_NE(reason(open).find("fake error"), std::string::npos);
+  fake_->refuses_open = false;
+  fake_->refuses_force = true;
+  EXPECT_NE(reason(open).find("does not enable its force"), std::string::npos);
+  fake_->devices = 0;
+  EXPECT_NE(find_force_dimension(options_).front().detail.find("no device is connected"),
+            std::string::npos);
+  options_.dhd_libraries = {FAKE_DHD_INCOMPLETE};
+  EXPECT_NE(reason(open).find("dhdGetLinearVelocity"), std::string::npos);
+  options_.dhd_libraries = {"libnothere.so.1", "libnothere.so"};
+  EXPECT_NE(reason(open).find("looked for libnothere.so.1, libnothere.so"), std::string::npos);
+  options_.dhd_libraries = {PALPATE_SOURCE_DIR "/Makefile"};
+  EXPECT_NE(reason(open).find("Makefile"), std::string::npos);
+}
+
+class TouchDevice : public testing::Test {
+ protected:
+  TouchDevice() {
+    options_.hd_libraries = {FAKE_HD};
+    handle_ = dlopen(FAKE_HD, RTLD_NOW);
+    fake_ = reinterpret_cast<FakeHd* (*)()>(dlsym(handle_, "fake_hd"))();
+    fake_->present = true;
+    fake_->error = 0;
+    fake_->x = 1;
+    fake_->max_force = 3.3;
+  }
+  ~TouchDevice() override { dlclose(handle_); }
+  FindOptions options_;
+  void* handle_;
+  FakeHd* fake_;
+};
+
+TEST_F(TouchDevice, ExchangesWithTheLibrarysThread) {
+  const auto device = open_device("touch", options_);
+  EXPECT_EQ(device->info().limits.stiffness, 0.4);
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  EXPECT_LT((s.position - Vec3(1, 2, 3)).norm(), 1e-12);
+  EXPECT_TRUE(s.has_velocity);
+  // Forces reach the device while the loop writes them and vanish when it stops.
+  EXPECT_TRUE(soon([&] {
+    (void)device->write(Vec3(0.5, -0.25, 1));
+    return fake_->force_x == 0.5 && fake_->force_y == -0.25 && fake_->force_z == 1;
+  }));
+  EXPECT_TRUE(soon([&] { return fake_->force_x == 0; })) << "an old force is not put out";
+}
+
+TEST_F(TouchDevice, ReleaseIsAtOnce) {
+  const auto device = open_device("touch", options_);
+  for (int i = 0; i < 20; ++i) {
+    (void)device->write(Vec3(1, 0, 0));
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  device->release();
+  const long frames = fake_->frames;
+  EXPECT_TRUE(soon([&] { return fake_->frames > frames + 1; }));
+  EXPECT_EQ(fake_->force_x, 0);
+}
+
+TEST_F(TouchDevice, FaultsShow) {
+  const auto device = open_device("touch", options_);
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  fake_->error = 0x0200;  // warm motors: a warning
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  fake_->error = 0;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  fake_->error = 0x0302;  // communication
+  EXPECT_TRUE(soon([&] { return device->read(s) == DeviceStatus::lost; }));
+  EXPECT_NE(device->trouble().find("0x0302"), std::string::npos);
+  fake_->error = 0;
+}
+
+TEST_F(TouchDevice, WhatIsMissingIsNamed) {
+  fake_->present = false;
+  EXPECT_NE(find_touch(options_).front().detail.find("set-up program"), std::string::npos);
+  options_.hd_libraries = {FAKE_DHD};
+  EXPECT_NE(find_touch(options_).front().detail.find("lacks hdInitDevice"), std::string::npos);
+  options_.hd_libraries = {"libnothere.so"};
+  EXPECT_NE(find_touch(options_).front().detail.find("OpenHaptics"), std::string::npos);
+}
+
+FindOptions options_for(const FakeInverseService& service) {
+  FindOptions o;
+  o.inverse_port = service.port();
+  o.inverse_event_port = service.event_port();
+  o.timeout = 0.5;
+  return o;
+}
+
+TEST(Inverse3, TurnsAxesAndUnits) {
+  FakeInverseService service;
+  const auto device = open_device("inverse3", options_for(service));
+  EXPECT_EQ(device->info().serial, "049D");
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  // Service: x right, y away from the user, z up, in metres.
+  EXPECT_LT((s.position - Vec3(10, 30, -20)).norm(), 1e-9);
+  EXPECT_LT((s.velocity - Vec3(100, 300, -200)).norm(), 1e-9);
+  EXPECT_TRUE(soon([&] {
+    (void)device->write(Vec3(1, 2, 3));
+    return service.force_x == 1 && service.force_y == -3 && service.force_z == 2;
+  }));
+  EXPECT_TRUE(soon([&] { return service.force_x == 0; })) << "an old force is not sent";
+  EXPECT_EQ(service.malformed, 0);
+}
+
+TEST(Inverse3, ForcesThatAreNotAppliedAreNoticed) {
+  FakeInverseService service({.applies_force = false});
+  const auto device = open_device("inverse3", options_for(service));
+  DeviceSample s;
+  EXPECT_TRUE(soon([&] { return device->write(Vec3(0, 0, 2)) == DeviceStatus::ignored; }));
+  EXPECT_NE(device->trouble().find("does not apply"), std::string::npos);
+}
+
+TEST(Inverse3, SafetyStopIsAStop) {
+  FakeInverseService service;
+  const auto device = open_device("inverse3", options_for(service));
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  EXPECT_TRUE(soon([&] {
+    service.trigger_safety_stop();
+    return device->read(s) == DeviceStatus::stopped;
+  }));
+  (void)device->write(Vec3(0, 0, 2));
+  std::this_thread::sleep_for(std::chrono::milliseconds(20));
+  EXPECT_EQ(service.force_y, 0);
+}
+
+TEST(Inverse3, DisconnectsAreLost) {
+  for (const bool unplug : {false, true}) {
+    FakeInverseService service({.close_after = unplug ? -1 : 50});
+    const auto device = open_device("inverse3", options_for(service));
+    DeviceSample s;
+    if (unplug) {
+      ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+      service.unplug();
+    }
+    EXPECT_TRUE(soon([&] { return device->read(s) == DeviceStatus::lost; }));
+    EXPECT_FALSE(device->trouble().empty());
+  }
+}
+
+TEST(Inverse3, SlowRepliesAreStaleNotBlocking) {
+  FakeInverseService service({.reply_delay_ms = 60});
+  const auto device = open_device("inverse3", options_for(service));
+  const TouchModel model = make_touch_model(scenes::even_sphere(20, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("falcon"));
+  TouchCycle cycle(setup, *device, Workspace{});
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  const std::int64_t start = monotonic_ns();
+  for (int i = 0; i < 100; ++i) {
+    cycle.advance(monotonic_ns(), 0);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  }
+  EXPECT_GT(cycle.trips(Trip::stale), 0U);
+  EXPECT_LT(monotonic_ns() - start, 2'000'000'000);
+}
+
+TEST(Inverse3, WhatIsMissingIsNamed) {
+  FindOptions nobody;
+  {
+    FakeInverseService gone;
+    nobody = options_for(gone);
+  }
+  EXPECT_NE(find_inverse3(nobody).front().detail.find("start Haply's inverse service"),
+            std::string::npos);
+  FakeInverseService empty({.lists_device = false});
+  EXPECT_NE(find_inverse3(options_for(empty)).front().detail.find("lists no Inverse3"),
+            std::string::npos);
+  FakeInverseService other({.speaks_json = false});
+  EXPECT_NE(find_inverse3(options_for(other)).front().detail.find("not JSON"), std::string::npos);
+  FakeInverseService one;
+  EXPECT_NE(reason([&] { return open_device("inverse3:ABCD", options_for(one)); }).find("ABCD"),
+            std::string::npos);
+  FakeInverseService old({.has_position = false});
+  const auto device = open_device("inverse3", options_for(old));
+  DeviceSample s;
+  EXPECT_TRUE(soon([&] { return device->read(s) == DeviceStatus::lost; }));
+  EXPECT_NE(device->trouble().find("cursor_position"), std::string::npos);
+}
+
+TEST(FindDevices, AnEmptyMachineListsWhatIsMissing) {
+  FindOptions nothing;
+  nothing.dhd_libraries = {"libnothere.so"};
+  nothing.hd_libraries = {"libnothere.so"};
+  nothing.inverse_port = 1;
+  nothing.timeout = 0.2;
+  const auto found = list_devices(nothing);
+  ASSERT_EQ(found.size(), 4U);
+  EXPECT_TRUE(found[0].usable);
+  for (std::size_t i = 1; i < 4; ++i) {
+    EXPECT_FALSE(found[i].usable);
+    EXPECT_FALSE(found[i].detail.empty());
+    std::printf("%s: %s\n", found[i].backend.c_str(), found[i].detail.c_str());
+  }
+  const std::string why = reason([&] { return open_device("auto", nothing); });
+  EXPECT_NE(why.find("libnothere.so"), std::string::npos);
+  EXPECT_NE(reason([&] { return open_device("mouse", nothing); }).find("mouse"), std::string::npos);
+  EXPECT_NE(reason([&] { return open_device("force-dimension:x", nothing); }).find("number"),
+            std::string::npos);
+}
+
+}  // namespace
+}  // namespace palpate::haptics
