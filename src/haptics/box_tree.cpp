@@ -22,13 +22,15 @@ constexpr float kInfinity = std::numeric_limits<float>::infinity();
 
 class BoxTreeBuilder {
  public:
-  BoxTreeBuilder(const SurfaceMesh& mesh, BoxTree& tree) : mesh_(mesh), tree_(tree) {
+  BoxTreeBuilder(const SurfaceMesh& mesh, const std::vector<char>& border, BoxTree& tree)
+      : mesh_(mesh), border_(border), tree_(tree) {
     tree_.box_ = bounding_box(mesh.points);
     tree_.center_ = tree_.box_.center();
     slack_ = kFloatSlack * (0.5 * tree_.box_.size().maxCoeff() + 1e-9);
     centroids_.reserve(mesh.triangles.size());
     for (const Triangle& t : mesh.triangles)
       centroids_.push_back((mesh.points[t[0]] + mesh.points[t[1]] + mesh.points[t[2]]) / 3);
+    normals_ = triangle_normals(mesh);
     order_.resize(mesh.triangles.size());
     std::iota(order_.begin(), order_.end(), 0);
   }
@@ -96,6 +98,7 @@ class BoxTreeBuilder {
       const std::int32_t child =
           to - from == 1 ? ~static_cast<std::int32_t>(from) : add_node(from, to);
       set_lane(id, lane, low, high, child);
+      set_spread(id, lane, axes.row(2), {from, to});
     }
     return static_cast<std::int32_t>(id);
   }
@@ -141,6 +144,21 @@ class BoxTreeBuilder {
     node.child[lane] = child;
   }
 
+  void set_spread(std::size_t id, int lane, const Vec3& axis, Range range) {
+    constexpr double kRounding = 1e-5;  // [-] of single precision, on the safe side
+    constexpr float kAnyDirection = -2;
+    double least = 1;
+    bool border = false;
+    for (std::size_t i = range.first; i < range.second; ++i) {
+      least = std::min(least, axis.dot(normals_[order_[i]]));
+      border = border || (!border_.empty() && border_[order_[i]] != 0);
+    }
+    const double cosine = std::max(-1.0, least - kRounding);
+    BoxTree::Node& node = tree_.nodes_[id];
+    node.spread_cosine[lane] = border ? kAnyDirection : static_cast<float>(cosine);
+    node.spread_sine[lane] = static_cast<float>(std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+  }
+
   void leave_empty(std::size_t id, int lane) {
     BoxTree::Node& node = tree_.nodes_[id];
     for (int axis = 0; axis < 3; ++axis) {
@@ -151,15 +169,17 @@ class BoxTreeBuilder {
   }
 
   const SurfaceMesh& mesh_;
+  const std::vector<char>& border_;
   BoxTree& tree_;
   double slack_ = 0;
-  std::vector<Vec3> centroids_;
+  std::vector<Vec3> centroids_, normals_;
   std::vector<std::int32_t> order_;
 };
 
-std::pair<BoxTree, std::vector<std::int32_t>> BoxTree::build(const SurfaceMesh& mesh) {
+std::pair<BoxTree, std::vector<std::int32_t>> BoxTree::build(const SurfaceMesh& mesh,
+                                                             const std::vector<char>& border) {
   BoxTree tree;
-  std::vector<std::int32_t> order = BoxTreeBuilder(mesh, tree).run();
+  std::vector<std::int32_t> order = BoxTreeBuilder(mesh, border, tree).run();
   return {std::move(tree), std::move(order)};
 }
 

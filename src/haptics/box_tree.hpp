@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <bit>
+#include <cmath>
 #include <cstdint>
 #include <cstring>
 #include <limits>
@@ -38,10 +39,30 @@ class BoxTree {
     double radius = 0;  ///< [mm]
   };
 
+  /// A sphere that rests on the skin, for confirm_rest().
+  struct Rest {
+    Vec3 center;           ///< [mm] the tool's
+    double distance2 = 0;  ///< [mm^2] from there to the point on which the proxy rests
+    Vec3 proxy;            ///< [mm] the proxy's centre, outside
+    double radius = 0;     ///< [mm] of the proxy
+    Vec3 point;            ///< [mm] on which it rests
+    Vec3 normal;           ///< [-] unit, from the point to the proxy
+    double apart = 0;      ///< [mm] other contacts are at least this far from the point
+    double cosine = 1;  ///< [-] and face away from `normal` by more than the angle of this cosine
+  };
+
   BoxTree() = default;
-  /// `mesh` must be free of defects. Also returns the order of the leaves: put triangles into this
-  /// order before visiting, since the visitor is given positions in it.
-  [[nodiscard]] static std::pair<BoxTree, std::vector<std::int32_t>> build(const SurfaceMesh& mesh);
+  /// `mesh` must be free of defects; `border` tells which of its triangles touch a border (empty:
+  /// none). Also returns the order of the leaves: put triangles into this order before visiting,
+  /// since visitors are given positions in it.
+  [[nodiscard]] static std::pair<BoxTree, std::vector<std::int32_t>> build(
+      const SurfaceMesh& mesh, const std::vector<char>& border = {});
+
+  /// Offers every triangle that may be nearer to the tool than the point, or may touch the proxy as
+  /// another contact; stops when visit(triangle) returns true and returns false then. One walk down
+  /// the tree answers both questions, since the ball about the tool lies within the proxy.
+  template <class Visit>
+  [[nodiscard]] bool confirm_rest(const Rest& rest, Visit&& visit) const;
 
   /// Calls visit(triangle) -> squared radius [mm^2] that still interests, for every triangle whose
   /// box comes within the current radius of p, near boxes first.
@@ -64,6 +85,9 @@ class BoxTree {
   struct alignas(64) Node {
     std::array<Lanes, 3> low;
     std::array<Lanes, 3> high;
+    // Largest angle between the node's third axis and a triangle's normal in the box; cosine -2
+    // where a border makes contacts in any direction possible.
+    Lanes spread_cosine, spread_sine;
     std::array<std::array<float, 3>, 3> axis;  // orthonormal, one per row
     std::array<std::int32_t, kWidth> child;
   };
@@ -89,6 +113,31 @@ class BoxTree {
     for (int k = 0; k < kWidth; ++k) bits |= a[k] <= b[k] ? 1 << k : 0;
     return bits;
 #endif
+  }
+  /// From a point in the node's axes to its boxes.
+  [[nodiscard]] static Lanes distances2(const Node& node, const std::array<float, 3>& at) {
+    Lanes sum{};
+    for (int k = 0; k < 3; ++k) {
+      const Lanes outside = larger(larger(node.low[k] - at[k], at[k] - node.high[k]), Lanes{});
+      sum += outside * outside;
+    }
+    return sum;
+  }
+  /// Bit k is set where box k lies wholly inside one of the balls.
+  [[nodiscard]] static int lanes_inside(const Node& node,
+                                        const std::array<Eigen::Vector3f, kMostBalls>& balls,
+                                        int count, float radius2) {
+    int bits = 0;
+    for (int s = 0; s < count; ++s) {
+      const std::array<float, 3> ball = turned(node, balls[s]);
+      Lanes farthest2{};
+      for (int k = 0; k < 3; ++k) {
+        const Lanes reach = larger(ball[k] - node.low[k], node.high[k] - ball[k]);
+        farthest2 += reach * reach;
+      }
+      bits |= lanes_within(farthest2, Lanes{} + radius2);
+    }
+    return bits;
   }
   [[nodiscard]] static Lanes larger(Lanes a, Lanes b) {
     return a > b ? a : b;
@@ -125,27 +174,15 @@ void BoxTree::traverse(const Vec3& p, double radius2, const Except& except, Visi
       continue;
     }
     const Node& node = nodes_[static_cast<std::size_t>(entry.child)];
-    const std::array<float, 3> at = turned(node, q);
-    Lanes distance2{};
-    for (int k = 0; k < 3; ++k) {
-      const Lanes outside = larger(larger(node.low[k] - at[k], at[k] - node.high[k]), Lanes{});
-      distance2 += outside * outside;
-    }
-    if constexpr (kExcept)
-      for (int s = 0; s < except.count; ++s) {
-        const std::array<float, 3> ball = turned(node, balls[s]);
-        Lanes farthest2{};
-        for (int k = 0; k < 3; ++k) {
-          const Lanes reach = larger(ball[k] - node.low[k], node.high[k] - ball[k]);
-          farthest2 += reach * reach;
-        }
-        distance2 = farthest2 < inside2 ? Lanes{} + std::numeric_limits<float>::max() : distance2;
-      }
+    const Lanes distance2 = distances2(node, turned(node, q));
     const Lanes limit = Lanes{} + bound;
     alignas(16) std::array<float, kWidth> near2;
     std::memcpy(near2.data(), &distance2, sizeof(distance2));
     const int first = top;
-    for (int open = lanes_within(distance2, limit); open != 0; open &= open - 1) {
+    int open = lanes_within(distance2, limit);
+    if constexpr (kExcept)
+      if (open != 0) open &= ~lanes_inside(node, balls, except.count, inside2);
+    for (; open != 0; open &= open - 1) {
       const int lane = std::countr_zero(static_cast<unsigned>(open));
       int place = top++;  // farthest lowest, so that the nearest is popped first
       for (; place > first && stack[place - 1].distance2 < near2[lane]; --place)
@@ -153,6 +190,47 @@ void BoxTree::traverse(const Vec3& p, double radius2, const Except& except, Visi
       stack[place] = {near2[lane], node.child[lane]};
     }
   }
+}
+
+template <class Visit>
+bool BoxTree::confirm_rest(const Rest& rest, Visit&& visit) const {
+  constexpr float kGrow = 1.00001F;
+  const Eigen::Vector3f proxy = (rest.proxy - center_).cast<float>();
+  const Eigen::Vector3f tool = (rest.center - center_).cast<float>();
+  const Eigen::Vector3f normal = rest.normal.cast<float>();
+  const std::array<Eigen::Vector3f, kMostBalls> ball = {(rest.point - center_).cast<float>()};
+  const Lanes reach2 = Lanes{} + static_cast<float>(rest.radius * rest.radius) * kGrow;
+  const Lanes near2 = Lanes{} + static_cast<float>(rest.distance2) * kGrow;
+  const auto apart2 = static_cast<float>(rest.apart * rest.apart);
+  const auto cosine = static_cast<float>(rest.cosine);
+
+  std::array<std::int32_t, kStack> stack;
+  int top = 0;
+  stack[top++] = 0;
+  while (top > 0) {
+    const std::int32_t child = stack[--top];
+    if (child < 0) {
+      if (visit(~child)) return false;
+      continue;
+    }
+    const Node& node = nodes_[static_cast<std::size_t>(child)];
+    int open = lanes_within(distances2(node, turned(node, proxy)), reach2);
+    if (open == 0) continue;
+    // What faces the proxy's way, or lies at its point, is no other contact; but it may be nearer.
+    const float facing =
+        node.axis[2][0] * normal[0] + node.axis[2][1] * normal[1] + node.axis[2][2] * normal[2];
+    int same = lanes_inside(node, ball, 1, apart2);
+    if (facing > 0) {
+      const float across = std::sqrt(std::max(0.0F, 1 - facing * facing));
+      same |=
+          lanes_within(Lanes{} + cosine, facing * node.spread_cosine - across * node.spread_sine);
+    }
+    if ((open & same) != 0)
+      open &= ~same | lanes_within(distances2(node, turned(node, tool)), near2);
+    for (; open != 0; open &= open - 1)
+      stack[top++] = node.child[std::countr_zero(static_cast<unsigned>(open))];
+  }
+  return true;
 }
 
 }  // namespace palpate::haptics

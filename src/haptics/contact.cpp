@@ -14,6 +14,9 @@ namespace {
 // tick needs no swept test.
 constexpr double kLookAhead = 5;
 
+// [mm] A tick that moves farther than this is a jump, and what lies between is looked at.
+constexpr double kJump = 2;
+
 double side_of(const ContactMesh& mesh, const SurfacePoint& at, const Vec3& center) {
   return mesh.side_normal(at).dot(center - at.on.point);
 }
@@ -165,8 +168,6 @@ Side follow(const ContactMesh& mesh, double radius, const Vec3& center, ProxySta
     const SurfacePoint at = slide_inside(mesh, center, local);
     return touch(state, at, side_of(mesh, at, center) < 0);
   }
-  // [mm] A tick that moves farther than this is a jump, and what lies between is looked at.
-  constexpr double kJump = 2;
   const double moved = (center - state.center).norm();
   if (moved >= kJump && moved >= state.clearance && state.clearance > 0 &&
       swept_into(mesh, std::min(radius, 0.5 * state.clearance), center, state) &&
@@ -180,19 +181,36 @@ Side follow(const ContactMesh& mesh, double radius, const Vec3& center, ProxySta
   return leave(state, std::sqrt(at.distance2));
 }
 
+// The common case, settled by one walk down the tree: in contact from outside before and after, one
+// flank, and the nearest point is where the proxy slides to by itself.
+bool slides_on(const ContactMesh& mesh, double radius, const Vec3& center, ProxyState& state) {
+  if (!state.touching || (center - state.center).squaredNorm() >= kJump * kJump) return false;
+  const SurfacePoint local = mesh.descend(center, state.anchor);
+  if (local.distance2 >= radius * radius || side_of(mesh, local, center) < 0 ||
+      !rests_alone(mesh, radius, center, local))
+    return false;
+  touch(state, local, false);
+  return true;
+}
+
 }  // namespace
 
 Contact find_contact(const ContactMesh& mesh, double radius, const Vec3& center,
                      ProxyState& state) {
-  const Side side = !state.started   ? begin(mesh, radius, center, state)
-                    : state.touching ? follow(mesh, radius, center, state)
-                                     : arrive(mesh, radius, center, state);
+  Contact contact;
+  if (slides_on(mesh, radius, center, state)) {
+    contact = rest_on_point(mesh, radius, state.anchor, false);
+  } else {
+    const Side side = !state.started   ? begin(mesh, radius, center, state)
+                      : state.touching ? follow(mesh, radius, center, state)
+                                       : arrive(mesh, radius, center, state);
+    state.touching = side != Side::free;
+    if (state.touching)
+      contact = rest_on_flanks(mesh, radius, center, state.anchor, side == Side::behind);
+  }
   state.started = true;
   state.center = center;
-  state.touching = side != Side::free;
-  if (!state.touching) return {};
-  Contact contact = rest_on_flanks(mesh, radius, center, state.anchor, side == Side::behind);
-  contact.from_inside = state.from_inside;
+  contact.from_inside = state.touching && state.from_inside;
   return contact;
 }
 

@@ -130,6 +130,18 @@ void orient(const SurfaceMesh& skin, ContactMesh& mesh) {
   }
 }
 
+std::vector<char> touching_border(std::size_t point_count, const ContactMesh& mesh) {
+  std::vector<char> on_border(point_count, 0);
+  for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+    for (int k = 0; k < 3; ++k)
+      if (mesh.neighbours[t][k] < 0)
+        on_border[mesh.triangles[t][k]] = on_border[mesh.triangles[t][(k + 1) % 3]] = 1;
+  std::vector<char> touching;
+  for (const Triangle& t : mesh.triangles)
+    touching.push_back(on_border[t[0]] || on_border[t[1]] || on_border[t[2]] ? 1 : 0);
+  return touching;
+}
+
 void put_in_order(ContactMesh& mesh, const std::vector<std::int32_t>& order) {
   std::vector<std::int32_t> place(order.size());
   for (std::size_t i = 0; i < order.size(); ++i) place[order[i]] = static_cast<std::int32_t>(i);
@@ -189,7 +201,8 @@ ContactMesh make_contact_mesh(const SurfaceMesh& skin) {
   find_neighbours(skin.points.size(), mesh);
   orient(skin, mesh);
 
-  auto [tree, order] = BoxTree::build({skin.points, mesh.triangles});
+  auto [tree, order] =
+      BoxTree::build({skin.points, mesh.triangles}, touching_border(skin.points.size(), mesh));
   mesh.tree = std::move(tree);
   put_in_order(mesh, order);
   renumber_points(skin, mesh);

@@ -12,6 +12,8 @@ namespace palpate::haptics {
 
 namespace {
 
+const double kCreaseCosine = std::cos(kCreaseAngle);
+
 struct Flank {
   SurfacePoint at;
   Vec3 normal;  // unit, from the surface to the proxy's centre
@@ -166,6 +168,32 @@ Contact many_points(const ContactMesh& mesh, const Flanks& flanks) {
 }
 
 }  // namespace
+
+bool rests_alone(const ContactMesh& mesh, double radius, const Vec3& center,
+                 const SurfacePoint& point) {
+  BoxTree::Rest rest;
+  rest.center = center;
+  rest.distance2 = point.distance2;
+  rest.normal = outward(mesh, point, center, false);
+  rest.proxy = center + (radius - std::sqrt(point.distance2)) * rest.normal;
+  rest.radius = radius;
+  rest.point = point.on.point;
+  rest.apart = 2 * radius * std::sin(0.5 * kCreaseAngle);
+  rest.cosine = kCreaseCosine;
+  return mesh.tree.confirm_rest(rest, [&](std::int32_t triangle) {
+    if (mesh.measure(triangle, center).distance2 < point.distance2) return true;
+    const SurfacePoint s = mesh.measure(triangle, rest.proxy);
+    return s.distance2 < radius * radius &&
+           (s.on.point - rest.point).squaredNorm() >= rest.apart * rest.apart &&
+           mesh.side_normal(s).dot(rest.proxy - s.on.point) > 0;
+  });
+}
+
+Contact rest_on_point(const ContactMesh& mesh, double radius, const SurfacePoint& point,
+                      bool behind) {
+  const double distance = std::sqrt(point.distance2);
+  return one_point(mesh, point, behind ? radius + distance : radius - distance);
+}
 
 Contact rest_on_flanks(const ContactMesh& mesh, double radius, const Vec3& center,
                        const SurfacePoint& nearest, bool behind) {

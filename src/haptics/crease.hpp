@@ -20,4 +20,13 @@ namespace palpate::haptics {
 [[nodiscard]] Contact rest_on_flanks(const ContactMesh& mesh, double radius, const Vec3& center,
                                      const SurfacePoint& nearest, bool behind);
 
+/// True when the proxy that rests at `point` rests there alone and no skin is nearer to `center`,
+/// which must lie outside: then rest_on_flanks() would find one flank, and that point. One walk
+/// down the tree; false only says that the question needs the long way.
+[[nodiscard]] bool rests_alone(const ContactMesh& mesh, double radius, const Vec3& center,
+                               const SurfacePoint& point);
+/// The contact at one point, without looking for others.
+[[nodiscard]] Contact rest_on_point(const ContactMesh& mesh, double radius,
+                                    const SurfacePoint& point, bool behind);
+
 }  // namespace palpate::haptics

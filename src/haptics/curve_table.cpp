@@ -5,35 +5,46 @@
 
 namespace palpate::haptics {
 
-CurveValue CurveTable::at(std::int32_t row, double d) const {
+template <bool kEnergy>
+CurveValue CurveTable::evaluate(std::int32_t row, double d) const {
   if (!(d > 0)) return {};
   const double* u = travel.data() + static_cast<std::size_t>(row) * knots;
   const double* f =
       force.size() == knots ? force.data() : force.data() + static_cast<std::size_t>(row) * knots;
-  double u0 = 0;
-  double f0 = 0;
-  double energy = 0;
   std::size_t i = 0;
-  for (; i + 1 < knots && d >= u[i]; ++i) {
-    energy += 0.5 * (f[i] + f0) * (u[i] - u0);
-    u0 = u[i];
-    f0 = f[i];
-  }
+  while (i + 1 < knots && d >= u[i]) ++i;
+  const double u0 = i ? u[i - 1] : 0;
+  const double f0 = i ? f[i - 1] : 0;
   const double k = (f[i] - f0) / (u[i] - u0);
   const double value = f0 + k * (d - u0);
-  return {value, k, energy + 0.5 * (value + f0) * (d - u0)};
+  double energy = 0;
+  if constexpr (kEnergy) {
+    energy = 0.5 * (value + f0) * (d - u0);
+    if (i) energy += 0.5 * f[0] * u[0];
+    for (std::size_t j = 1; j < i; ++j) energy += 0.5 * (f[j] + f[j - 1]) * (u[j] - u[j - 1]);
+  }
+  return {value, k, energy};
 }
+template CurveValue CurveTable::evaluate<true>(std::int32_t, double) const;
 
-CurveValue CurveTable::blend(const Triangle& corners, const Vec3& weights, double d) const {
+template <bool kEnergy>
+CurveValue CurveTable::blend_rows(const Triangle& corners, const Vec3& weights, double d) const {
   CurveValue sum;
   for (int k = 0; k < 3; ++k) {
     if (weights[k] == 0) continue;
-    const CurveValue v = at(corners[k], d);
+    const CurveValue v = evaluate<kEnergy>(corners[k], d);
     sum.force += weights[k] * v.force;
     sum.stiffness += weights[k] * v.stiffness;
     sum.energy += weights[k] * v.energy;
   }
   return sum;
+}
+
+CurveValue CurveTable::blend(const Triangle& corners, const Vec3& weights, double d) const {
+  return blend_rows<true>(corners, weights, d);
+}
+CurveValue CurveTable::blend_force(const Triangle& corners, const Vec3& weights, double d) const {
+  return blend_rows<false>(corners, weights, d);
 }
 
 bool exceeds(const CurveTable& curves, double scale, double steepest) {

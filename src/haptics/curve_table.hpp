@@ -25,9 +25,18 @@ struct CurveTable {
 
   [[nodiscard]] std::size_t rows() const { return knots ? travel.size() / knots : 0; }
   /// One row at travel `d` [mm]; zero for d <= 0. Allocates nothing.
-  [[nodiscard]] CurveValue at(std::int32_t row, double d) const;
+  [[nodiscard]] CurveValue at(std::int32_t row, double d) const { return evaluate<true>(row, d); }
   /// The curves of a triangle's corners, each at `d`, blended with barycentric weights.
   [[nodiscard]] CurveValue blend(const Triangle& corners, const Vec3& weights, double d) const;
+  /// The same with energy 0: half the work.
+  [[nodiscard]] CurveValue blend_force(const Triangle& corners, const Vec3& weights,
+                                       double d) const;
+
+ private:
+  template <bool kEnergy>
+  [[nodiscard]] CurveValue evaluate(std::int32_t row, double d) const;
+  template <bool kEnergy>
+  [[nodiscard]] CurveValue blend_rows(const Triangle& corners, const Vec3& weights, double d) const;
 };
 
 /// The same curves for a device: forces times `scale`, then no slope above `steepest` [N/mm];

@@ -40,9 +40,13 @@ Push push_of(const TickSetup& setup, const Contact& contact) {
   for (int j = 0; j < contact.count; ++j) {
     const ContactPoint& p = contact.points[j];
     const Triangle& corners = model.mesh.triangles[p.at.triangle];
-    add(push.map, model.curves.blend(corners, p.at.on.barycentric, contact.depth), p.weight);
-    if (setup.reshaped)
-      add(push.device, setup.curves.blend(corners, p.at.on.barycentric, contact.depth), p.weight);
+    const Vec3& b = p.at.on.barycentric;
+    if (setup.reshaped) {
+      add(push.map, model.curves.blend_force(corners, b, contact.depth), p.weight);
+      add(push.device, setup.curves.blend(corners, b, contact.depth), p.weight);
+    } else {
+      add(push.map, model.curves.blend(corners, b, contact.depth), p.weight);
+    }
     for (int k = 0; k < 3; ++k)
       push.friction += p.weight * p.at.on.barycentric[k] *
                        (model.friction.empty() ? 1.0 : model.friction[corners[k]]);

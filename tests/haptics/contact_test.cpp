@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include "haptics/crease.hpp"
 #include "haptics/touch_model.hpp"
 #include "scenes.hpp"
 
@@ -200,6 +201,46 @@ TEST(Contact, SlotNarrowerThanTheToolPushesOut) {
   ASSERT_GE(contact.count, 2);
   EXPECT_GT(contact.normal.z(), 0.98);
   EXPECT_NEAR(contact.depth, 2, 0.05);  // rests on both rims at a height of 4 mm
+}
+
+// The shortcut of a sliding contact must never hide a nearer point or a second flank: every tick of
+// a random walk, in creases too, agrees with the answer found from nothing.
+TEST(Contact, SlidingAgreesWithTheAnswerFromNothing) {
+  const auto grooves = [](double x, double y) {
+    return 3 * std::abs(std::sin(x / 4)) + 1.5 * std::abs(std::sin(y / 7));
+  };
+  const std::array<TouchableHead, 3> heads = {scenes::bumpy_head(40, 2.5),
+                                              scenes::landscape(40, 150, 1, grooves, false),
+                                              scenes::landscape(40, 40, 1, grooves, true)};
+  for (const TouchableHead& head : heads) {
+    const TouchModel model = make_touch_model(head);
+    const Box box = model.mesh.tree.box();
+    std::mt19937 rng(9);
+    std::normal_distribution<double> normal;
+    ProxyState state;
+    Vec3 p = box.center() + Vec3(1, 2, 0.5 * box.size().z() + 8);
+    int touching = 0, creases = 0;
+    Vec3 drift = Vec3::UnitX();
+    for (int i = 0; i < 20000; ++i) {
+      const SurfacePoint near = model.mesh.nearest(p, 1e300);
+      const Vec3 n = model.mesh.blended_normal(near);
+      drift = (drift + 0.1 * Vec3(normal(rng), normal(rng), normal(rng))).normalized();
+      p = near.on.point + (3 + 1.5 * std::sin(i * 0.01)) * n + 0.1 * (drift - n * n.dot(drift));
+      if (std::abs(p.x()) > 35 || std::abs(p.y()) > 35) drift = (box.center() - p).normalized();
+      const Contact contact = find_contact(model.mesh, 5, p, state);
+      const SurfacePoint nearest = model.mesh.nearest(p, 1e300);
+      if (nearest.distance2 >= 25 || model.mesh.side_normal(nearest).dot(p - nearest.on.point) < 0)
+        continue;
+      const Contact expected = rest_on_flanks(model.mesh, 5, p, nearest, false);
+      ASSERT_EQ(contact.count, expected.count) << i;
+      ASSERT_NEAR(contact.depth, expected.depth, 1e-9) << i;
+      ASSERT_LT((contact.normal - expected.normal).norm(), 1e-6) << i;
+      ++touching;
+      creases += contact.count > 1;
+    }
+    EXPECT_GT(touching, 5000);
+    std::printf("%d of 20000 in contact, %d in a crease\n", touching, creases);
+  }
 }
 
 TEST(Contact, InsideAtTheStartIsKnownAsSuch) {
