@@ -28,6 +28,7 @@ struct PartFit {
   double mean_distance = 10;  ///< [mm] to the surface, each at most 10 (also where it faces away)
   double agreement = 0;       ///< [-] mean cosine between model and surface normals, 1 is perfect
   double outliers = 1;        ///< [-] share of points more than 6 mm away or facing elsewhere
+  [[nodiscard]] double cost() const { return mean_distance + 6 * (1 - agreement); }  ///< [mm]
 };
 struct FaceFit {
   PartFit core;   ///< eyes, brows, nose and what lies between: every scan must have them

@@ -144,15 +144,10 @@ struct Tally {
   }
 };
 
-double cost(const PartFit& part) {
-  return part.mean_distance + 6 * (1 - part.agreement);
-}
-
 }  // namespace
 
 double FaceFit::cost() const {
-  return landmarks::cost(core) + 0.5 * std::min(landmarks::cost(lower), 3.0) +
-         0.25 * std::min(landmarks::cost(vault), 4.0);
+  return core.cost() + 0.5 * std::min(lower.cost(), 3.0) + 0.25 * std::min(vault.cost(), 4.0);
 }
 
 FaceFit judge(const Skin& skin, const FacePose& pose, int stride) {

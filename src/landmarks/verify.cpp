@@ -12,9 +12,10 @@
 namespace palpate::landmarks {
 namespace {
 
-constexpr double kWorstCore = 0.15;  // [-] share of outliers among eyes, brows and nose
-constexpr double kWorstCost = 4.6;   // [mm] of the whole fit; rivals on heads start at 5.2
-constexpr double kShortest = 90;     // [mm] from the eyes to the back of a mean head; adults: 140
+constexpr double kWorstOutliers = 0.15;  // [-] share of outliers among eyes, brows and nose
+constexpr double kWorstCore = 2.5;  // [mm] heads cost up to 2.0 there, other bumps 2.9 and more
+constexpr double kWorstCost = 5.0;  // [mm] of the whole; heads up to 3.9, wrong places from 5.2
+constexpr double kShortest = 90;    // [mm] from the eyes to the back of a mean head; adults: 140
 
 // Median distance from behind the nose's root to the skin at the back, for a mean-sized head [mm].
 double depth_of_head(const Skin& skin, const FacePose& pose) {
@@ -35,7 +36,8 @@ double depth_of_head(const Skin& skin, const FacePose& pose) {
 
 void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::string>& warnings) {
   const FaceFit& fit = found.fit;
-  if (fit.core.outliers > kWorstCore || fit.cost() > kWorstCost) {
+  if (fit.core.outliers > kWorstOutliers || fit.core.cost() > kWorstCore ||
+      fit.cost() > kWorstCost) {
     throw InputError(fmt::format(
         "no face found: looked for a nose between two eyes under a brow in every pose; the best "
         "match is {:.1f} mm off with {:.0f} % of its points elsewhere; if it is a head, name its "
