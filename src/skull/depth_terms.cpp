@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "skull/depth_terms.hpp"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <map>
@@ -10,9 +11,28 @@
 namespace palpate::skull {
 namespace {
 
-/// The auricle's centre lies beside the ear canal: it says how high and how far back the porion is.
-constexpr std::array<std::pair<const char*, const char*>, 2> kEars = {
-    {{"ear_left", "po_left"}, {"ear_right", "po_right"}}};
+/// Skin landmarks that bound a bone landmark along some axes of the head frame. The auricle's
+/// centre lies beside the ear canal: it says how high and how far back the porion is. The chin's
+/// foremost point says how high the bone's is; how deep, the table says.
+struct AxisPair {
+  const char* skin;
+  const char* bone;
+  Vec3 axes;
+  double DepthFitOptions::*sd;
+};
+const std::array<AxisPair, 3> kAxisPairs = {
+    {{"ear_left", "po_left", {0, 1, 1}, &DepthFitOptions::ear_sd},
+     {"ear_right", "po_right", {0, 1, 1}, &DepthFitOptions::ear_sd},
+     {"chin", "pg", {0, 1, 0}, &DepthFitOptions::chin_sd}}};
+
+FitPoint registration_point(const Vec3& rest, const Landmark& target, const Vec3& axes, double sd) {
+  FitPoint p;
+  p.kind = FitPoint::Kind::registration;
+  p.rest = rest;
+  p.target = target.position;
+  p.precision = std::clamp(target.confidence, 0.0, 1.0) / (sd * sd) * axes;
+  return p;
+}
 
 using Cell = std::array<int, 3>;
 
@@ -81,24 +101,15 @@ std::vector<FitPoint> make_fit_points(const HeadSurface& head, const SkullTempla
     p.weight = o.landmark_weight;
     points.push_back(p);
   }
-  for (const registration::PointPair& pair : registration::shared_pairs(head, skull)) {
-    FitPoint p;
-    p.kind = FitPoint::Kind::registration;
-    p.rest = pair.from;
-    p.target = pair.to;
-    p.precision.setConstant(1 / (o.registration_sd * o.registration_sd));
-    points.push_back(p);
-  }
-  for (const auto& [ear, porion] : kEars) {
-    const auto on_head = head.landmarks.find(ear);
-    const auto on_skull = skull.landmarks.find(porion);
-    if (on_head == head.landmarks.end() || on_skull == skull.landmarks.end()) continue;
-    FitPoint p;
-    p.kind = FitPoint::Kind::registration;
-    p.rest = on_skull->second.position;
-    p.target = on_head->second.position;
-    p.precision = Vec3(0, 1, 1) / (o.ear_sd * o.ear_sd);
-    points.push_back(p);
+  for (const registration::PointPair& pair : registration::shared_pairs(head, skull))
+    points.push_back(registration_point(pair.from, head.landmarks.at(pair.name), Vec3::Ones(),
+                                        o.registration_sd));
+  for (const AxisPair& pair : kAxisPairs) {
+    const auto on_head = head.landmarks.find(pair.skin);
+    const auto on_skull = skull.landmarks.find(pair.bone);
+    if (on_head != head.landmarks.end() && on_skull != skull.landmarks.end())
+      points.push_back(
+          registration_point(on_skull->second.position, on_head->second, pair.axes, o.*pair.sd));
   }
   return points;
 }

@@ -36,6 +36,7 @@ struct DepthFitOptions {
   double landmark_weight = 1;  ///< [-] observations per landmark of the table
   double registration_sd = 4;  ///< [mm] spread of eye corners, alae and nose tip against bone
   double ear_sd = 6;    ///< [mm] spread of the auricle's centre against the porion, up and back
+  double chin_sd = 6;   ///< [mm] spread of the height of the skin's chin against the bone's
   double facing = 0.3;  ///< [-] least cosine between bone normal and direction to the skin
   double huber = 2;     ///< [sd] beyond which a misfit pulls no harder
   double limit_margin = 0.3;     ///< [mm] on top of the clearance while fitting
