@@ -8,12 +8,52 @@
 // it.
 #include "fem/contact.hpp"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
 
 #include "core/error.hpp"
 
 namespace palpate::fem {
 namespace {
+
+// A sphere whose centre is o * axis meets a triangle first at a corner, on an edge or within; each
+// of the three gives its smallest o, kInadmissible where it is missed. Points are relative to o =
+// 0.
+
+double meets_point(const Vec3& p, const Vec3& axis, double radius) {
+  const double along = p.dot(axis), aside_squared = p.squaredNorm() - along * along;
+  if (aside_squared >= radius * radius) return kInadmissible;
+  return along - std::sqrt(radius * radius - aside_squared);
+}
+
+double meets_edge(const Vec3& p, const Vec3& q, const Vec3& axis, double radius) {
+  const double length = (q - p).norm();
+  const Vec3 e = (q - p) / length;
+  const Vec3 d = axis - axis.dot(e) * e, m = p.dot(e) * e - p;  // across the edge
+  // |m + o d| = radius
+  const double a = d.squaredNorm(), b = m.dot(d), c = m.squaredNorm() - radius * radius;
+  if (a < 1e-12 || b * b < a * c) return kInadmissible;
+  const double o = (-b - std::sqrt(b * b - a * c)) / a;
+  const double at = (o * axis - p).dot(e);
+  return at >= 0 && at <= length ? o : kInadmissible;
+}
+
+double meets_plane(const std::array<Vec3, 3>& corner, const Vec3& axis, double radius) {
+  Vec3 n = (corner[1] - corner[0]).cross(corner[2] - corner[0]).normalized();
+  if (n.dot(axis) > 0) n = -n;  // towards the sphere that comes
+  if (n.dot(axis) > -1e-12) return kInadmissible;
+  const double o = (radius + n.dot(corner[0])) / n.dot(axis);
+  const Vec3 touch = o * axis - radius * n;
+  double side = 0;
+  for (int i = 0; i < 3; ++i) {
+    const Vec3& p = corner[i];
+    const double s = (corner[(i + 1) % 3] - p).cross(touch - p).dot(n);
+    if (side * s < 0) return kInadmissible;
+    if (s != 0) side = s;
+  }
+  return o;
+}
 
 /// Rest position of quadrature point q of a face.
 Vec3 face_point(const std::int32_t* face, const Eigen::VectorXd& shape,
@@ -33,16 +73,14 @@ double first_contact(const FaceList& faces, ElementOrder order, const std::vecto
                      const Vec3& through, const Vec3& axis, double radius) {
   const int stride = face_nodes(order);
   double offset = kInadmissible;
-  const auto look_at = [&](const Vec3& p) {
-    const double along = (p - through).dot(axis);
-    const double aside_squared = (p - through).squaredNorm() - along * along;
-    if (aside_squared < radius * radius)
-      offset = std::min(offset, along - std::sqrt(radius * radius - aside_squared));
-  };
   for (std::size_t f = 0; f < faces.size(); f += stride) {
-    for (int i = 0; i < stride; ++i) look_at(nodes[faces[f + i]]);
-    for (const Vec3& b : contact_quadrature().points)
-      look_at(face_point(&faces[f], face_shape(order, b), nodes));
+    const std::array<Vec3, 3> corner = {nodes[faces[f]] - through, nodes[faces[f + 1]] - through,
+                                        nodes[faces[f + 2]] - through};
+    offset = std::min(offset, meets_plane(corner, axis, radius));
+    for (int i = 0; i < 3; ++i) {
+      offset = std::min(offset, meets_point(corner[i], axis, radius));
+      offset = std::min(offset, meets_edge(corner[i], corner[(i + 1) % 3], axis, radius));
+    }
   }
   if (offset == kInadmissible) throw InputError("the tool's path does not meet the skin");
   return offset;

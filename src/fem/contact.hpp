@@ -23,9 +23,8 @@ struct Indenter {
 /// less costs 0.5 % on thin tissue.
 [[nodiscard]] double default_penalty(double youngs_modulus, double tool_radius);
 
-/// The travel axis' offset at which a sphere that comes along `axis` through `through` first
-/// touches the faces: its centre is `through + offset * axis`. Looks at nodes and quadrature
-/// points.
+/// Offset along the axis at which a sphere that comes along `axis` through `through` first touches
+/// the triangles of the faces' corners: its centre is then `through + offset * axis`.
 /// @throws InputError when no face lies within the sphere's radius of the axis
 [[nodiscard]] double first_contact(const FaceList& faces, ElementOrder order,
                                    const std::vector<Vec3>& nodes, const Vec3& through,

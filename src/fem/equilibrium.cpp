@@ -3,6 +3,8 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 
 namespace palpate::fem {
@@ -34,6 +36,35 @@ void check_node(std::int32_t node, std::size_t nodes, const char* what) {
     throw InputError(fmt::format("{} names node {}, the mesh has {} nodes", what, node, nodes));
 }
 
+/// Scales supports and loads up to 1; a step that fails is halved.
+NewtonResult approach(const TetMesh& mesh, const std::shared_ptr<const EnergyDensity>& law,
+                      const Topology& topology, const std::vector<Vec3>& prescribed,
+                      const Eigen::VectorXd& force, const EquilibriumOptions& options) {
+  constexpr double kSmallestStep = 1.0 / 64;  // then the failure is the state's, not the step's
+  Cholesky cholesky(topology.pattern);
+  NewtonResult result;
+  result.x = Eigen::VectorXd::Zero(topology.unknowns());
+  int iterations = 0;
+  for (double done = 0, step = 1; done < 1;) {
+    const double share = std::min(1.0, done + step);
+    std::vector<Vec3> moved = prescribed;
+    for (Vec3& u : moved) u *= share;
+    const ElasticBody body(topology, mesh.nodes, law, std::move(moved));
+    const Eigen::VectorXd start = done > 0 ? Eigen::VectorXd(share / done * result.x) : result.x;
+    try {
+      result = minimise(DeadLoaded(body, share * force), start, cholesky,
+                        {options.force_tolerance, options.max_iterations});
+      iterations += result.iterations;
+      done = share;
+    } catch (const SolveError&) {
+      step *= 0.5;
+      if (step < kSmallestStep) throw;
+    }
+  }
+  result.iterations = iterations;
+  return result;
+}
+
 }  // namespace
 
 Equilibrium solve_equilibrium(const TetMesh& mesh, std::shared_ptr<const EnergyDensity> law,
@@ -49,17 +80,14 @@ Equilibrium solve_equilibrium(const TetMesh& mesh, std::shared_ptr<const EnergyD
     prescribed[h.node] = h.displacement;
   }
   const Topology topology = make_topology(mesh, is_held);
-  const ElasticBody body(topology, mesh.nodes, std::move(law), prescribed);
   Eigen::VectorXd force = Eigen::VectorXd::Zero(topology.unknowns());
   for (const NodalLoad& l : loads) {
     check_node(l.node, mesh.nodes.size(), "a load");
     const int f = topology.free_node[l.node];
     if (f >= 0) force.segment<3>(3 * f) += l.force;
   }
-  Cholesky cholesky(topology.pattern);
-  const NewtonResult newton =
-      minimise(DeadLoaded(body, force), Eigen::VectorXd::Zero(topology.unknowns()), cholesky,
-               {options.force_tolerance, options.max_iterations});
+  const NewtonResult newton = approach(mesh, law, topology, prescribed, force, options);
+  const ElasticBody body(topology, mesh.nodes, law, prescribed);
   Equilibrium out{{}, body.nodal_forces(newton.x), newton.residual, newton.iterations};
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
     out.displacement.push_back(body.displacement(newton.x, static_cast<int>(n)));

@@ -28,7 +28,8 @@ struct Equilibrium {
 };
 
 /// Minimises E(u) = sum V psi(F(u)) - f . u over the free nodes. The held nodes must stop all six
-/// rigid motions.
+/// rigid motions. Supports and loads are applied at once where that works, in halved steps where it
+/// does not.
 /// @throws InputError  names the first bad node or tet; nothing was computed
 /// @throws SolveError  tolerance not reached; carries residual and iteration count
 /// @note Deterministic, re-entrant, allocates.

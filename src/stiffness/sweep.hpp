@@ -19,7 +19,7 @@ struct SweepOptions {
   double poissons_ratio = 0.43;      ///< [-] flesh; 0 <= nu < 0.5
   int loads = 10;                    ///< number of equal force steps up to max_force; >= 1
   double max_force = 5;              ///< [N]
-  int sites = 150;                   ///< skin points solved in full; the rest is blended
+  int sites = 300;                   ///< skin points solved in full; the rest is blended
   double no_bone_beyond = 40;        ///< [mm] no curve where bone is farther along the normal
   std::uint64_t seed = 1;            ///< for the choice of sites
   int threads = 0;                   ///< 0: all cores; the result does not depend on it
