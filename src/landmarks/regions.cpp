@@ -48,8 +48,14 @@ double lower_border(double z) {
       z);
 }
 
-// Upper limit of the jaw: the body's band in front, the ramus up to the ear lobe behind.
+// The jaw line that a finger finds: a band of 20 mm along the mandible's lower border and its angle.
+constexpr double kJawBand = 20;  // [mm]
 double jaw_top(double z) {
+  return lower_border(z) + kJawBand;
+}
+
+// Lower end of the cheek: above the body of the mandible in front, in front of the masseter behind.
+double cheek_low(double z) {
   return curve(std::array<Knot, 4>{{{-60, -34}, {-46, -42}, {-32, -72}, {0, -86}}}, z);
 }
 
@@ -90,8 +96,10 @@ bool is_lips(const Place& p) {
   const double half_width = curve(std::array<Knot, 3>{{{-80, 12}, {-64, 27}, {-50, 19}}}, p.y);
   return p.z > -15 && p.y > -80 && p.y <= -50 && p.a < half_width;
 }
+// The chin that faces forwards; its underside belongs to the jaw's lower border.
+constexpr double kGnathion = -105;  // [mm]
 bool is_chin(const Place& p) {
-  return p.y < -78 && in_ellipse(p.a, p.y + 94, 24, 21) && p.z > -18;
+  return p.y < -78 && p.y > kGnathion && in_ellipse(p.a, p.y + 94, 24, 21) && p.z > -18;
 }
 bool is_brow(const Place& p) {
   return p.z > -28 && p.a < 54 && p.y > brow_low(p.a) && p.y <= brow_high(p.a);
@@ -105,10 +113,10 @@ bool is_cheekbone(const Place& p) {
   return p.z > -66 && p.a > 26 && p.y > cheekbone_low(p.z) && p.y <= cheekbone_high(p.z);
 }
 bool is_jaw(const Place& p) {
-  return p.z > -72 && p.a > 18 && p.y <= jaw_top(p.z);
+  return p.z > -72 && (p.a > 18 || p.y <= kGnathion) && p.y <= jaw_top(p.z);
 }
 bool is_cheek(const Place& p) {
-  return p.z > -50 && p.a > 22 && p.y > jaw_top(p.z) && p.y <= cheekbone_low(p.z);
+  return p.z > -50 && p.a > 22 && p.y > cheek_low(p.z) && p.y <= cheekbone_low(p.z);
 }
 // The vault above the temples, the ears and the line from the ears to below the occiput.
 bool is_cranium(const Place& p) {

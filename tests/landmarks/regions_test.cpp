@@ -31,7 +31,9 @@ TEST(SkinRegions, PlacesOfTheMeanFace) {
   EXPECT_EQ(region_of({45, -52, -15}), SkinRegion::cheek);
   EXPECT_EQ(region_of({0, -95, 12}), SkinRegion::chin);
   EXPECT_EQ(region_of({40, -88, -25}), SkinRegion::jaw);
-  EXPECT_EQ(region_of({60, -60, -58}), SkinRegion::jaw);
+  EXPECT_EQ(region_of({58, -72, -58}), SkinRegion::jaw);
+  EXPECT_EQ(region_of({60, -45, -56}), SkinRegion::other);  // the masseter over the ramus
+  EXPECT_EQ(region_of({0, -108, 6}), SkinRegion::jaw);
   EXPECT_EQ(region_of({28, 0, 3}), SkinRegion::eye);
   EXPECT_EQ(region_of({0, -37, 33}), SkinRegion::nose);
   EXPECT_EQ(region_of({0, -64, 20}), SkinRegion::lips);
