@@ -38,6 +38,7 @@ std::vector<std::string> collect_warnings(const PreparedScan& scan, const Locate
   const auto add = [&all](const std::vector<std::string>& more) {
     all.insert(all.end(), more.begin(), more.end());
   };
+  add(scan.scan.warnings);
   add(located.detection.warnings);
   add(skull.warnings);
   add(sweep.warnings);

@@ -8,6 +8,7 @@
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "report/summary.hpp"
+#include "report/verdict.hpp"
 
 namespace palpate::app {
 using nlohmann::json;
@@ -86,16 +87,11 @@ json describe(const HeadFrame& frame) {
 }
 
 /// Share of the table's landmarks with an SD that lie within 1.5 SD.
-static json depth_agreement(const std::vector<DepthRow>& depths) {
-  int inside = 0, all = 0;
-  for (const DepthRow& d : depths) {
-    if (!d.reached || !(d.sd_mm > 0) || !std::isfinite(d.depth_mm)) continue;
-    ++all;
-    inside += std::abs(d.depth_mm - d.published_mm) <= 1.5 * d.sd_mm;
-  }
-  return {{"landmarks_with_sd", all},
-          {"within_1_5_sd", inside},
-          {"share", all > 0 ? json(static_cast<double>(inside) / all) : json(nullptr)}};
+static json describe(const report::DepthAgreement& depths) {
+  const double share = static_cast<double>(depths.within) / static_cast<double>(depths.compared);
+  return {{"landmarks_with_sd", depths.compared},
+          {"within_1_5_sd", depths.within},
+          {"share", depths.compared > 0 ? json(share) : json(nullptr)}};
 }
 
 json describe(const TouchableHead& head) {
@@ -111,7 +107,7 @@ json describe(const TouchableHead& head) {
           {"frame", describe(head.frame)},
           {"landmarks", describe(head.landmarks, head.unit_mm)},
           {"depths", describe(head.depths)},
-          {"depth_agreement", depth_agreement(head.depths)},
+          {"depth_agreement", describe(report::depth_agreement(head.depths))},
           {"tool_radius_mm", head.map.tool_radius},
           {"forces_n", head.map.forces},
           {"status", status},
