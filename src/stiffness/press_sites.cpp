@@ -32,6 +32,16 @@ struct Kind {
   }
 };
 
+/// A tool that is pressed harder goes deeper; an equilibrium on another branch is no curve.
+bool deepens(std::span<const double> travel) {
+  double last = 0;
+  for (const double u : travel) {
+    if (!(u > last)) return false;
+    last = u;
+  }
+  return !travel.empty();
+}
+
 class Presser {
  public:
   Presser(const Ground& ground, std::span<const std::int32_t> sites, std::span<const double> depth)
@@ -86,7 +96,8 @@ class Presser {
     for (int i = 0; i < count; ++i) {
       SiteCurve& curve = result_.curves[kind.members[first + i]];
       curve = {lanes[i].travel, lanes[i].iterations, lanes[i].shifts, 0};
-      if (curve.travel.empty()) curve = press_in_double(kind, patches[i]);
+      if (!deepens(curve.travel)) curve = press_in_double(kind, patches[i]);
+      if (!deepens(curve.travel)) curve.travel.clear();
     }
   }
 
