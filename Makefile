@@ -3,7 +3,7 @@ PRESET ?= release
 BUILD := build/$(PRESET)
 OUT ?= out
 
-.PHONY: build demo test bench lint format assets fuzz layout
+.PHONY: build demo test bench bench-touch lint format assets fuzz layout
 
 build: $(BUILD)/build.ninja
 	cmake --build $(BUILD)
@@ -31,6 +31,15 @@ bench: layout
 	cmake --build $(BUILD)
 	sh bench/run.sh $(BUILD)
 
+# The figures of touch on the demo's head, as a table; about ten minutes. bench_touch --quick takes one.
+bench-touch: build $(OUT)/head.glb
+	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
+	cmake --build $(BUILD) --target bench_touch
+	$(BUILD)/bench/bench_touch --head $(OUT)/head.glb
+
+$(OUT)/head.glb:
+	$(MAKE) demo
+
 lint: build
 	git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror
 	git ls-files 'src/*.cpp' 'apps/*.cpp' | xargs -P 2 -n 4 clang-tidy-16 -p $(BUILD) --quiet
@@ -45,3 +54,4 @@ fuzz:
 	cmake --preset asan
 	cmake --build build/asan --target fuzz_readers
 	build/asan/tests/io/fuzz_readers 100000
+	build/asan/tests/io/fuzz_readers 1000000 2 head

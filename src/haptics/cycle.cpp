@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "haptics/cycle.hpp"
 
+#include <algorithm>
+
 namespace palpate::haptics {
 
 TouchCycle::TouchCycle(const TickSetup& setup, Device& device, const Workspace& workspace,
@@ -27,9 +29,10 @@ void TouchCycle::handle_clutch() noexcept {
 }
 
 // Reads the device; a sample that cannot be trusted leaves the last good one in place.
-Trip TouchCycle::take_sample(std::int64_t now_ns, std::int64_t late_ns) noexcept {
+Trip TouchCycle::take_sample(std::int64_t now_ns, std::int64_t late_ns, Clock clock) noexcept {
   DeviceSample sample = sample_;
   status_ = device_.read(sample);
+  const std::int64_t waited = clock ? clock() - now_ns : 0;
   if (status_ != DeviceStatus::ok) return Trip::device;
   if (!sample.position.allFinite() || (sample.has_velocity && !sample.velocity.allFinite()))
     return Trip::not_finite;
@@ -38,7 +41,8 @@ Trip TouchCycle::take_sample(std::int64_t now_ns, std::int64_t late_ns) noexcept
   handle_clutch();
   constexpr double kNano = 1e-9;  // [s]
   if (kNano * static_cast<double>(now_ns - fresh_ns_) > options_.stale) return Trip::stale;
-  if (kNano * static_cast<double>(late_ns) > options_.late) return Trip::late;
+  // A transfer that hung is a late tick as well.
+  if (kNano * static_cast<double>(std::max(late_ns, waited)) > options_.late) return Trip::late;
   if (paused_.load(std::memory_order_relaxed)) return Trip::paused;
   return clutch_ ? Trip::clutch : Trip::none;
 }
@@ -51,7 +55,7 @@ void TouchCycle::note_trip(Trip trip) noexcept {
   trip_ = trip;
 }
 
-void TouchCycle::advance(std::int64_t now_ns, std::int64_t late_ns) noexcept {
+void TouchCycle::advance(std::int64_t now_ns, std::int64_t late_ns, Clock clock) noexcept {
   std::uint64_t number = 0;
   const Workspace wish = wish_.load(number);
   if (number != workspace_number_) {
@@ -59,7 +63,7 @@ void TouchCycle::advance(std::int64_t now_ns, std::int64_t late_ns) noexcept {
     workspace_ = wish;
     moved_ = true;
   }
-  note_trip(take_sample(now_ns, late_ns));
+  note_trip(take_sample(now_ns, late_ns, clock));
 
   TickInput input;
   if (!clutch_) tool_ = workspace_.to_head(sample_.position);

@@ -52,9 +52,12 @@ class TouchCycle {
   TouchCycle(const TickSetup& setup, Device& device, const Workspace& workspace,
              const CycleOptions& options = {}, Recorder* recorder = nullptr);
 
-  /// One tick at time `now_ns`, `late_ns` after its deadline. Allocates nothing, takes no lock,
-  /// throws nothing; the only calls out are the device's read() and write().
-  void advance(std::int64_t now_ns, std::int64_t late_ns) noexcept;
+  using Clock = std::int64_t (*)() noexcept;  ///< [ns] the one that `now_ns` was read from
+  /// One tick at time `now_ns`, `late_ns` after its deadline. With a clock, a device whose read()
+  /// takes longer than `late` makes the tick late too; without one, simulated time stands still
+  /// during a tick. Allocates nothing, takes no lock, throws nothing; the only calls out are the
+  /// device's read() and write().
+  void advance(std::int64_t now_ns, std::int64_t late_ns, Clock clock = nullptr) noexcept;
 
   /// The latest tick; never waits for the loop.
   [[nodiscard]] CycleSnapshot latest() const noexcept { return snapshot_.load(); }
@@ -71,7 +74,7 @@ class TouchCycle {
   [[nodiscard]] Device& device() const { return device_; }
 
  private:
-  [[nodiscard]] Trip take_sample(std::int64_t now_ns, std::int64_t late_ns) noexcept;
+  [[nodiscard]] Trip take_sample(std::int64_t now_ns, std::int64_t late_ns, Clock clock) noexcept;
   void handle_clutch() noexcept;
   void note_trip(Trip trip) noexcept;
   void publish(const TickOutput& out, std::int64_t now_ns) noexcept;

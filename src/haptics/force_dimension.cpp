@@ -5,6 +5,7 @@
 // in metres.
 #include <fmt/format.h>
 
+#include <cctype>
 #include <cmath>
 
 #include "core/error.hpp"
@@ -63,6 +64,15 @@ struct Dhd {
   }
 };
 
+// The SDK's names differ in case and in the number of axes ("omega.7", "FALCON"): the family says
+// the row. An unknown one gets the least of its maker's: sigma.7's.
+DeviceLimits limits_of_model(std::string name) {
+  for (char& c : name) c = static_cast<char>(std::tolower(static_cast<unsigned char>(c)));
+  for (const char* family : {"falcon", "omega", "delta", "sigma", "lambda"})
+    if (name.find(family) != std::string::npos) return limits_of(family).value();
+  return limits_of("sigma").value();
+}
+
 class ForceDimension final : public Device {
  public:
   ForceDimension(Dhd dhd, int index) : dhd_(std::move(dhd)) {
@@ -80,10 +90,7 @@ class ForceDimension final : public Device {
       unsigned short number = 0;
       if (dhd_.serial(&number, id_) >= 0) info_.serial = std::to_string(number);
     }
-    // An unknown model gets the weakest row of its maker.
-    info_.limits = limits_of(info_.name).value_or(*limits_of("omega.3"));
-    for (const DeviceLimits& known : known_devices())
-      if (info_.name.find(known.name) != std::string::npos) info_.limits = known;
+    info_.limits = limits_of_model(info_.name);
     const double reported = dhd_.max_force(id_);
     if (std::isfinite(reported) && reported > 0) info_.limits.peak_force = reported;
     if (dhd_.enable_force(1, id_) < 0) {

@@ -17,6 +17,7 @@
 #include <chrono>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <mutex>
 #include <nlohmann/json.hpp>
 #include <thread>
@@ -130,10 +131,30 @@ bool vector_of(const Json& state, const char* key, Vec3& out) {
   int axis = 0;
   for (const char* name : {"x", "y", "z"}) {
     const auto c = v->find(name);
-    if (c == v->end() || !c->is_number()) return false;
-    out[axis++] = c->get<double>();
+    if (c == v->end() || !(c->is_number() || c->is_null())) return false;
+    // JSON has no NaN: writers put null, and the watchdog then sees what the device meant.
+    out[axis++] = c->is_null() ? std::numeric_limits<double>::quiet_NaN() : c->get<double>();
   }
   return true;
+}
+
+// The buttons of the grip that is screwed to the arm: a is the main one, b the clutch.
+std::uint32_t buttons_of(const Json& message) {
+  std::uint32_t pressed = 0;
+  const auto grips = message.find("wireless_verse_grip");
+  if (grips == message.end() || !grips->is_array()) return 0;
+  for (const Json& grip : *grips) {
+    const auto path = Json::json_pointer("/state/buttons");
+    if (!grip.contains(path)) continue;
+    const Json& buttons = grip.at(path);
+    std::uint32_t bit = 1;
+    for (const char* name : {"a", "b", "c"}) {
+      const auto b = buttons.find(name);
+      if (b != buttons.end() && b->is_boolean() && b->get<bool>()) pressed |= bit;
+      bit <<= 1U;
+    }
+  }
+  return pressed;
 }
 
 Vec3 to_user(const Vec3& v) {
@@ -255,14 +276,26 @@ class Inverse3 final : public Device {
     } catch (const std::exception& e) {
       note(e.what());
       status_.store(DeviceStatus::lost, std::memory_order_release);
+      force_off();
     }
+  }
+  // A last word, should somebody still be there to hear it.
+  void force_off() noexcept {
+    try {
+      channel_.send(command(Vec3::Zero()));
+    } catch (const std::exception&) {
+      // Nobody is: the service drops forces that are not renewed.
+    }
+  }
+  std::string command(const Vec3& f) const {
+    return fmt::format(
+        R"({{"inverse3":[{{"device_id":{},"commands":{{"set_cursor_force":{{"vector":{{"x":{},"y":{},"z":{}}}}}}}}}]}})",
+        quoted_id_, f.x(), f.y(), f.z());
   }
   // One message out, one state in.
   void exchange(const Vec3& force) {
     const Vec3 f = to_service(force);
-    channel_.send(fmt::format(
-        R"({{"inverse3":[{{"device_id":{},"commands":{{"set_cursor_force":{{"vector":{{"x":{},"y":{},"z":{}}}}}}}}}]}})",
-        quoted_id_, f.x(), f.y(), f.z()));
+    channel_.send(command(f));
     const Json message = parse(channel_.receive());
     const Json* entry = entry_of(message, id_);
     if (!entry) throw InputError("the device is no longer listed: unplugged or switched off");
@@ -275,6 +308,7 @@ class Inverse3 final : public Device {
     s.position = kMillimetres * to_user(position);
     s.has_velocity = vector_of(*state, "cursor_velocity", velocity);
     if (s.has_velocity) s.velocity = kMillimetres * to_user(velocity);
+    s.buttons = buttons_of(message);
     s.number = ++number_;
     sample_.store(s);
     DeviceStatus status = DeviceStatus::ok;

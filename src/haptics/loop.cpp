@@ -3,10 +3,23 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "core/error.hpp"
 #include "haptics/realtime.hpp"
 
 namespace palpate::haptics {
+
+namespace {
+
+constexpr std::int64_t kLate = 1'000'000;  // [ns] beyond which a tick counts as late in the report
+
+// Only one thread writes each count, so a load and a store do.
+void bump(std::atomic<std::uint64_t>& count, std::uint64_t by) noexcept {
+  count.store(count.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
+}
+
+}  // namespace
 
 TouchLoop::TouchLoop(TouchCycle& cycle, const LoopOptions& options)
     : cycle_(cycle), options_(options) {
@@ -47,19 +60,23 @@ void TouchLoop::run() {
 
   const auto period = static_cast<std::int64_t>(1e9 / options_.rate_hz);
   std::int64_t deadline = monotonic_ns() + period;
+  std::int64_t last = deadline - period;
   while (!stop_.load(std::memory_order_relaxed)) {
     sleep_until_ns(deadline);
     const std::int64_t now = monotonic_ns();
     beat_ns_.store(now, std::memory_order_relaxed);
     lateness_.add(now - deadline);
-    cycle_.advance(now, now - deadline);
+    if (now - deadline > kLate) bump(late_, 1);
+    // After a transfer that hung, deadlines were skipped: this tick may be in time, but the device
+    // has held its force since the last one.
+    cycle_.advance(now, std::max(now - deadline, now - last - period), monotonic_ns);
+    last = now;
     const std::int64_t done = monotonic_ns();
     tick_time_.add(done - now);
     deadline += period;
     if (deadline <= done) {
       const std::int64_t behind = (done - deadline) / period + 1;
-      skipped_.store(skipped_.load(std::memory_order_relaxed) + static_cast<std::uint64_t>(behind),
-                     std::memory_order_relaxed);
+      bump(skipped_, static_cast<std::uint64_t>(behind));
       deadline += behind * period;
     }
   }
@@ -69,6 +86,8 @@ void TouchLoop::run() {
 // The loop itself finds out that it was late only when it wakes; until then the device would hold
 // the last force.
 void TouchLoop::guard() {
+  if (options_.priority > 0)
+    (void)ask_for_realtime(options_.priority);  // the loop told of refusals
   const auto patience = static_cast<std::int64_t>(1e9 * (options_.guard + 1 / options_.rate_hz));
   std::int64_t released_at = -1;
   while (!stop_.load(std::memory_order_relaxed)) {
@@ -77,7 +96,7 @@ void TouchLoop::guard() {
     if (beat == 0 || beat == released_at || monotonic_ns() - beat <= patience) continue;
     cycle_.device().release();
     released_at = beat;
-    guarded_.store(guarded_.load(std::memory_order_relaxed) + 1, std::memory_order_relaxed);
+    bump(guarded_, 1);
   }
 }
 
@@ -90,7 +109,9 @@ LoopReport TouchLoop::report() const {
   r.late_median_us = lateness_.quantile_us(0.5);
   r.late_p999_us = lateness_.quantile_us(0.999);
   r.late_longest_us = lateness_.longest_us();
-  r.late_above_1ms = lateness_.share_above_us(1000);
+  const std::uint64_t late = late_.load(std::memory_order_relaxed) + r.skipped;
+  const std::uint64_t all = r.ticks + r.skipped;
+  r.late_above_1ms = all > 0 ? static_cast<double>(late) / static_cast<double>(all) : 0;
   r.tick_median_us = tick_time_.quantile_us(0.5);
   r.tick_p999_us = tick_time_.quantile_us(0.999);
   r.tick_longest_us = tick_time_.longest_us();

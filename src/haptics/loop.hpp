@@ -21,10 +21,12 @@ struct LoopOptions {
 struct LoopReport {
   double rate_hz = 0;
   std::uint64_t ticks = 0;
-  std::uint64_t skipped = 0;  ///< deadlines that passed while a tick was late
+  std::uint64_t skipped =
+      0;  ///< deadlines that passed while a tick was late: ticks that never were
   std::uint64_t guarded = 0;  ///< times the guard released the device
   double late_median_us = 0, late_p999_us = 0, late_longest_us = 0;
-  double late_above_1ms = 0;                                         ///< [-] share of ticks
+  /// [-] share of deadlines whose tick came more than 1 ms late, or never; counted exactly.
+  double late_above_1ms = 0;
   double tick_median_us = 0, tick_p999_us = 0, tick_longest_us = 0;  ///< with the device's transfer
   std::array<std::uint64_t, kTripNames.size()> trips{};
   std::vector<std::string> warnings;
@@ -60,7 +62,7 @@ class TouchLoop {
   std::vector<std::string> warnings_;  // written before `ready_`
   std::atomic<bool> stop_{false}, ready_{false};
   std::atomic<std::int64_t> beat_ns_{0};
-  std::atomic<std::uint64_t> skipped_{0}, guarded_{0};
+  std::atomic<std::uint64_t> skipped_{0}, guarded_{0}, late_{0};
   std::thread thread_, guard_thread_;
 };
 

@@ -64,11 +64,6 @@ std::vector<std::string> ask_for_realtime(int priority) {
   return refused;
 }
 
-void give_up_realtime() noexcept {
-  const sched_param normal{};
-  pthread_setschedparam(pthread_self(), SCHED_OTHER, &normal);
-}
-
 void prefault_stack() noexcept {
   constexpr std::size_t kDeepest = 64 * 1024;  // [byte] far more than a tick uses
   char stack[kDeepest];

@@ -15,8 +15,6 @@ void sleep_until_ns(std::int64_t deadline_ns) noexcept;
 /// Asks for SCHED_FIFO at `priority` (1 to 99) for the calling thread and for locked memory for the
 /// process. Returns one line per refusal, with the remedy; empty when all was granted.
 [[nodiscard]] std::vector<std::string> ask_for_realtime(int priority);
-/// Back to normal scheduling; memory stays locked.
-void give_up_realtime() noexcept;
 /// Touches the stack so that the loop meets no page fault there.
 void prefault_stack() noexcept;
 

@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cstring>
 #include <nlohmann/json.hpp>
 #include <ostream>
@@ -118,6 +119,12 @@ ReplayResult replay(const Recording& recording, const TouchModel& model) {
     if (anchor.triangle >= static_cast<std::int32_t>(model.mesh.triangles.size()) ||
         (state.proxy.touching && !anchor.found()))
       throw InputError("the recording names a triangle that this head does not have");
+    const auto unknown = [&](std::int32_t corner) {
+      return corner < 0 || corner >= static_cast<std::int32_t>(model.mesh.points.size());
+    };
+    const Triangle& corners = state.settled.corners;
+    if (state.in_contact && std::any_of(corners.begin(), corners.end(), unknown))
+      throw InputError("the recording names a point that this head does not have");
     for (const RecordedTick& t : block.ticks) {
       const TickOutput out = tick(setup, t.input, state);
       if (std::memcmp(out.force.data(), t.force.data(), 3 * sizeof(double)) != 0) {

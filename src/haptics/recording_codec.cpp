@@ -60,6 +60,12 @@ void each_member(State& s, Visit visit) {
   vector(s.position);
   vector(s.velocity);
   vector(s.force);
+  vector(s.settled.normal);
+  visit(s.settled.force);
+  visit(s.settled.depth);
+  visit(s.settled.stiffness);
+  for (auto& corner : s.settled.corners) visit(corner);
+  vector(s.settled.weights);
   vector(s.shear);
   visit(s.slip);
   visit(s.ramp);
@@ -180,7 +186,7 @@ bool get_state(std::string_view& in, TickState& state) {
 
 std::string encode_header(const RecordingHeader& h) {
   const TickOptions& o = h.options;
-  const nlohmann::json json = {{"format", 1},
+  const nlohmann::json json = {{"format", 2},
                                {"model", fmt::format("{:016x}", h.fingerprint)},
                                {"tool_radius_mm", h.tool_radius},
                                {"rate_hz", h.rate_hz},

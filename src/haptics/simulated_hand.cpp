@@ -108,17 +108,23 @@ void SimulatedHand::release() noexcept {
   force_.setZero();
 }
 
-std::vector<Waypoint> region_tour(const TouchModel& model, double force, double hand_stiffness) {
+namespace {
+
+// Lays waypoints one after the other in time.
+struct Route {
+  const TouchModel& model;
+  double deeper;  // [mm] that the hand aims below the skin so that its spring gives the force
   std::vector<Waypoint> path;
   double time = 0;
-  const auto go = [&](double seconds, const Vec3& p) {
+
+  void go(double seconds, const Vec3& p) {
     time += seconds;
     path.push_back({time, p});
-  };
+  }
   // From place to place on a sphere around the head, never through it.
-  const Vec3 middle = model.mesh.tree.box().center();
-  const double far = 0.5 * model.mesh.tree.box().size().norm() + model.tool_radius + 20;
-  const auto go_around = [&](const Vec3& to) {
+  void go_around(const Vec3& to) {
+    const Vec3 middle = model.mesh.tree.box().center();
+    const double far = 0.5 * model.mesh.tree.box().size().norm() + model.tool_radius + 20;
     const Vec3 a = (path.back().position - middle).normalized();
     const Vec3 b = (to - middle).normalized();
     constexpr int kLegs = 6;
@@ -129,15 +135,10 @@ std::vector<Waypoint> region_tour(const TouchModel& model, double force, double 
       go(0.3, middle + far * d.normalized());
     }
     go(0.3, to);
-  };
-  const double deeper = force / std::max(hand_stiffness, 1e-3);
-  for (std::size_t r = 0; r < kSkinRegionNames.size(); ++r) {
-    const auto region = static_cast<SkinRegion>(r);
-    if (std::find(model.region.begin(), model.region.end(), region) == model.region.end()) continue;
-    DeviceInfo at_origin;
-    const Workspace aim = aimed_at(model, region, at_origin);
+  }
+  void press_and_slide(SkinRegion region) {
+    const Workspace aim = aimed_at(model, region, DeviceInfo{});
     const Vec3 along = aim.rotation.col(0);
-    // The hand aims below the skin by what its own spring needs for the force.
     const auto over = [&](double x, double height) {
       const SurfacePoint near = model.mesh.nearest(aim.at_head + x * along, 1e300);
       return Vec3(near.on.point + (model.tool_radius + height) * model.mesh.blended_normal(near));
@@ -153,8 +154,31 @@ std::vector<Waypoint> region_tour(const TouchModel& model, double force, double 
     go(1.0, over(0, -deeper));
     go(0.5, over(0, 60));
   }
-  if (!path.empty()) go_around(Vec3(path.front().position));
-  return path;
+};
+
+Route route(const TouchModel& model, double force, double hand_stiffness) {
+  constexpr double kSoftest = 1e-3;  // [N/mm] a hand without a spring aims at no depth
+  return {model, force / std::max(hand_stiffness, kSoftest), {}};
+}
+
+}  // namespace
+
+std::vector<Waypoint> region_press(const TouchModel& model, SkinRegion region, double force,
+                                   double hand_stiffness) {
+  Route r = route(model, force, hand_stiffness);
+  r.press_and_slide(region);
+  return r.path;
+}
+
+std::vector<Waypoint> region_tour(const TouchModel& model, double force, double hand_stiffness) {
+  Route r = route(model, force, hand_stiffness);
+  for (std::size_t i = 0; i < kSkinRegionNames.size(); ++i) {
+    const auto region = static_cast<SkinRegion>(i);
+    if (std::find(model.region.begin(), model.region.end(), region) != model.region.end())
+      r.press_and_slide(region);
+  }
+  if (!r.path.empty()) r.go_around(Vec3(r.path.front().position));
+  return r.path;
 }
 
 std::vector<Waypoint> random_walk(const TouchModel& model, std::uint64_t seed, double seconds,

@@ -51,8 +51,8 @@ class SimulatedHand final : public Device {
   [[nodiscard]] double time() const { return time_; }               ///< [s] simulated
   [[nodiscard]] const Vec3& position() const { return position_; }  ///< [mm] true, not quantised
   [[nodiscard]] const Vec3& force() const { return force_; }        ///< [N] last written
-  /// [N mm] work that the device's force has done on the hand since the start, exactly: the hand's
-  /// motion under a held force is integrated in closed form per substep.
+  /// [N mm] work that the device's force has done on the hand since the start, without
+  /// error: the force is constant over a substep, so that its work is force times way.
   [[nodiscard]] double work() const { return work_; }
   [[nodiscard]] bool finished() const;
 
@@ -70,10 +70,14 @@ class SimulatedHand final : public Device {
   std::uint64_t number_ = 0;
 };
 
-/// Presses and slides on every region that the head has: approach from outside, press until `force`
-/// [N] would be reached, slide 20 mm to and fro, rest for a second, lift, go round the head to the
-/// next, and at last back to the start. Head frame; use with a Workspace of identity. About 8 s per
-/// region.
+/// One region: approach from outside, press until `force` [N] would be reached, slide 20 mm to and
+/// fro, rest for a second, lift. Starts and ends at the same place, so that it can be repeated; 5
+/// s. Head frame; use with a Workspace of identity.
+/// @throws InputError  the head has no vertex of that region
+[[nodiscard]] std::vector<Waypoint> region_press(const TouchModel& model, SkinRegion region,
+                                                 double force, double hand_stiffness);
+/// The same on every region that the head has, one after the other, going round the head in
+/// between, and at last back to the start. About 8 s per region.
 [[nodiscard]] std::vector<Waypoint> region_tour(const TouchModel& model, double force,
                                                 double hand_stiffness);
 /// Wanders at random through a shell around the head, in and out of contact, at up to `speed` mm/s.

@@ -53,6 +53,16 @@ struct TickInput {
   bool hold = false;             ///< clutch: no force, and what comes after is a fresh start
 };
 
+/// What the hand felt last, so that the next tick can go over from it.
+struct Settled {
+  Vec3 normal = Vec3::Zero();    ///< [-] unit
+  double force = 0;              ///< [N] elastic push
+  double depth = 0;              ///< [mm]
+  double stiffness = 0;          ///< [N/mm]
+  Triangle corners{-1, -1, -1};  ///< of the touched triangle, points of the mesh
+  Vec3 weights = Vec3::Zero();   ///< [-]
+};
+
 /// The tick's whole memory. Plain data without pointers: a copy continues the same touch,
 /// bit for bit.
 struct TickState {
@@ -60,6 +70,7 @@ struct TickState {
   Vec3 position = Vec3::Zero();  ///< [mm] last tick
   Vec3 velocity = Vec3::Zero();  ///< [mm/s] filtered
   Vec3 force = Vec3::Zero();     ///< [N] put out last
+  Settled settled;               ///< meaningful while in_contact
   Vec3 shear = Vec3::Zero();     ///< [mm] tool minus friction anchor, tangential
   double slip = 0;               ///< [-] 0 sticking, 1 slipping in full
   double ramp = 1;               ///< [-] soft start
@@ -73,18 +84,19 @@ struct TickState {
 
 struct TickOutput {
   Vec3 force = Vec3::Zero();    ///< [N] for the device, head frame
-  Vec3 normal = Vec3::Zero();   ///< [-] direction of the elastic push
+  Vec3 normal = Vec3::Zero();   ///< [-] direction of the elastic push, settled
   Vec3 point = Vec3::Zero();    ///< [mm] touched point of the skin, head frame
   double depth = 0;             ///< [mm]
   double map_force = 0;         ///< [N] the blended curve of the map at `depth`
   double stiffness = 0;         ///< [N/mm] slope of the blended map there
-  double elastic = 0;           ///< [N] the same as the device renders it: scaled and limited
+  double elastic = 0;           ///< [N] the same as the device renders it: scaled, limited, settled
   double damped = 0;            ///< [N] change of the force by the passivity controller
   Vec3 weights = Vec3::Zero();  ///< [-] of the touched triangle's corners
   std::array<std::int32_t, 3> vertices{-1, -1, -1};  ///< corners, as numbered in the scan
   SkinRegion region = SkinRegion::other;
   bool in_contact = false;
   bool estimated = false;  ///< a corner's curve was carried over, not computed
+  bool settling = false;   ///< going over to another flank: `elastic` and `normal` lag behind
   bool clamped = false;    ///< the device's force limit acted
   bool slewed = false;     ///< the slew limit acted
   bool finite = true;      ///< false: the input was not finite; force 0 and a fresh start

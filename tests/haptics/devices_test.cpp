@@ -4,6 +4,7 @@
 #include <gtest/gtest.h>
 
 #include <chrono>
+#include <functional>
 #include <thread>
 
 #include "core/error.hpp"
@@ -120,6 +121,36 @@ TEST_F(ForceDimension, UnpluggedInContactIsZeroForce) {
   EXPECT_EQ(fake_->force[2], 0);
 }
 
+TEST_F(ForceDimension, EachFamilyHasItsLimits) {
+  const auto stiffness = [&](const char* name) {
+    fake_->name = name;
+    return open_device("force-dimension", options_)->info().limits.stiffness;
+  };
+  EXPECT_EQ(stiffness("FALCON"), 3.0);
+  EXPECT_EQ(stiffness("omega.7"), 5.0);
+  EXPECT_EQ(stiffness("delta.6"), 5.0);
+  EXPECT_EQ(stiffness("Lambda.7"), 8.0);
+  EXPECT_EQ(stiffness("something new"), 4.0) << "the least of the maker's";
+}
+
+TEST_F(ForceDimension, ButtonsAndAStuckSample) {
+  const TouchModel model = make_touch_model(scenes::even_sphere(20, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("falcon"));
+  const auto device = open_device("force-dimension", options_);
+  TouchCycle cycle(setup, *device, Workspace{});
+  std::int64_t now = 1;
+  fake_->buttons = 2;
+  cycle.advance(now += 1'000'000, 0);
+  EXPECT_EQ(cycle.latest().trip, Trip::clutch);
+  fake_->buttons = 0;
+  cycle.advance(now += 1'000'000, 0);
+  cycle.advance(now += 1'000'000, 0);
+  EXPECT_EQ(cycle.latest().trip, Trip::none);
+  fake_->position_result = 1;  // the same sample again and again
+  for (int i = 0; i < 30; ++i) cycle.advance(now += 1'000'000, 0);
+  EXPECT_EQ(cycle.latest().trip, Trip::stale);
+}
+
 TEST_F(ForceDimension, WhatIsMissingIsNamed) {
   const auto open = [&] { return open_device("force-dimension", options_); };
   fake_->sdk_major = 2;
@@ -197,6 +228,69 @@ TEST_F(TouchDevice, FaultsShow) {
   EXPECT_TRUE(soon([&] { return device->read(s) == DeviceStatus::lost; }));
   EXPECT_NE(device->trouble().find("0x0302"), std::string::npos);
   fake_->error = 0;
+}
+
+// Presses 3 mm deep with the library's own clock, then the fault; returns the watchdog's word.
+Trip trip_in_contact(const TickSetup& setup, Device& device, const Workspace& workspace,
+                     const std::function<double()>& force, const std::function<void()>& fault) {
+  TouchCycle cycle(setup, device, workspace);
+  std::int64_t late = 0;
+  const auto turn = [&] {
+    cycle.advance(monotonic_ns(), late);
+    std::this_thread::sleep_for(std::chrono::milliseconds(1));
+  };
+  EXPECT_TRUE(soon([&] {
+    for (int i = 0; i < 20; ++i) turn();
+    return force() > 0.5;
+  }));
+  fault();
+  Trip seen = Trip::none;
+  EXPECT_TRUE(soon([&] {
+    for (int i = 0; i < 20; ++i) {
+      turn();
+      if (cycle.latest().trip != Trip::none) seen = cycle.latest().trip;
+    }
+    return seen != Trip::none && force() == 0;
+  }));
+  return seen;
+}
+
+TEST_F(TouchDevice, FaultsInContactZeroTheForce) {
+  const TouchModel model = make_touch_model(scenes::even_sphere(20, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("3D Systems Touch"));
+  const auto force = [&] { return std::abs(fake_->force_y.load()); };
+  const auto press = [&] {
+    fake_->error = 0;
+    fake_->x = fake_->z = 0;
+    fake_->y = 91;
+  };
+  press();
+  auto device = open_device("touch", options_);
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { fake_->x = std::nan(""); }),
+            Trip::not_finite);
+  press();
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { fake_->buttons = 2; }), Trip::clutch);
+  fake_->buttons = 0;
+  press();
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { fake_->error = 0x0302; }),
+            Trip::device);
+  fake_->error = 0;
+}
+
+TEST_F(TouchDevice, ASchedulerThatStandsStillIsStale) {
+  const TouchModel model = make_touch_model(scenes::even_sphere(20, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("3D Systems Touch"));
+  const auto device = open_device("touch", options_);
+  TouchCycle cycle(setup, *device, Workspace{});
+  DeviceSample s;
+  ASSERT_TRUE(soon([&] { return device->read(s) == DeviceStatus::ok; }));
+  fake_->stalled = true;
+  EXPECT_TRUE(soon([&] {
+    cycle.advance(monotonic_ns(), 0);
+    return cycle.latest().trip == Trip::stale;
+  }));
+  EXPECT_EQ(cycle.latest().user_force.norm(), 0);
+  fake_->stalled = false;
 }
 
 TEST_F(TouchDevice, WhatIsMissingIsNamed) {
@@ -284,6 +378,23 @@ TEST(Inverse3, SlowRepliesAreStaleNotBlocking) {
   }
   EXPECT_GT(cycle.trips(Trip::stale), 0U);
   EXPECT_LT(monotonic_ns() - start, 2'000'000'000);
+}
+
+TEST(Inverse3, FaultsInContactZeroTheForce) {
+  const TouchModel model = make_touch_model(scenes::even_sphere(20, 90, 1));
+  const TickSetup setup = make_tick_setup(model, *limits_of("Haply Inverse3"));
+  FakeInverseService service;
+  service.x = service.y = 0;
+  service.z = 0.091;  // up
+  const auto device = open_device("inverse3", options_for(service));
+  const auto force = [&] { return std::abs(service.force_z.load()); };
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { service.lose_position(true); }),
+            Trip::not_finite);
+  service.lose_position(false);
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { service.button_b = true; }),
+            Trip::clutch);
+  service.button_b = false;
+  EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { service.unplug(); }), Trip::device);
 }
 
 TEST(Inverse3, WhatIsMissingIsNamed) {

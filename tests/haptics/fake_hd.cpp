@@ -69,7 +69,7 @@ void hdStartScheduler() {
   fake.running = true;
   scheduler = std::thread([] {
     while (fake.running) {
-      if (callback) callback(callback_data);
+      if (callback && !fake.stalled) callback(callback_data);
       std::this_thread::sleep_for(std::chrono::milliseconds(1));
     }
   });

@@ -12,4 +12,5 @@ struct FakeHd {
   std::atomic<double> force_x{0}, force_y{0}, force_z{0};
   std::atomic<long> frames{0};
   std::atomic<bool> running{false};
+  std::atomic<bool> stalled{false};  // the scheduler calls nobody
 };

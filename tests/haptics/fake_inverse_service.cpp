@@ -23,7 +23,7 @@ struct FakeInverseService::Server {
   asio::io_context io;
   tcp::acceptor simulation{io, {asio::ip::make_address("127.0.0.1"), 0}};
   tcp::acceptor events{io, {asio::ip::make_address("127.0.0.1"), 0}};
-  std::atomic<bool> unplugged{false}, stop{false};
+  std::atomic<bool> unplugged{false}, no_position{false}, stop{false};
   std::mutex mutex;
   std::vector<std::unique_ptr<Socket>> listeners;
   std::vector<int> open_sockets;
@@ -84,12 +84,18 @@ struct FakeInverseService::Server {
     const bool applies = behaviour.applies_force;
     if (behaviour.has_position)
       s["cursor_position"] = {{"x", owner.x.load()}, {"y", owner.y.load()}, {"z", owner.z.load()}};
+    if (no_position) s["cursor_position"]["y"] = nullptr;
     s["cursor_velocity"] = {{"x", 0.1}, {"y", 0.2}, {"z", 0.3}};
     s["current_cursor_force"] = {{"x", applies ? owner.force_x.load() : 0},
                                  {"y", applies ? owner.force_y.load() : 0},
                                  {"z", applies ? owner.force_z.load() : 0}};
     nlohmann::json message = {{"inverse3", nlohmann::json::array()}};
     if (behaviour.lists_device && !unplugged) message["inverse3"].push_back(device);
+    message["wireless_verse_grip"] = {
+        {{"device_id", "61548"},
+         {"state",
+          {{"buttons", {{"a", false}, {"b", owner.button_b.load()}, {"c", false}}},
+           {"orientation", {{"w", 1}, {"x", 0}, {"y", 0}, {"z", 0}}}}}}};
     return message.dump();
   }
 
@@ -131,6 +137,9 @@ unsigned short FakeInverseService::event_port() const {
 }
 void FakeInverseService::unplug() {
   server_->unplugged = true;
+}
+void FakeInverseService::lose_position(bool on) {
+  server_->no_position = on;
 }
 void FakeInverseService::trigger_safety_stop() {
   const std::lock_guard lock(server_->mutex);

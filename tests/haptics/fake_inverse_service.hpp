@@ -23,11 +23,13 @@ class FakeInverseService {
 
   [[nodiscard]] unsigned short port() const;
   [[nodiscard]] unsigned short event_port() const;
-  void trigger_safety_stop();  ///< sends the event to whoever listens
-  void unplug();               ///< the device is no longer listed
+  void trigger_safety_stop();   ///< sends the event to whoever listens
+  void unplug();                ///< the device is no longer listed
+  void lose_position(bool on);  ///< coordinates become null, as NaN is written
 
   std::atomic<double> x{0.01}, y{0.02}, z{0.03};           ///< [m] service's axes
   std::atomic<double> force_x{0}, force_y{0}, force_z{0};  ///< [N] last commanded
+  std::atomic<bool> button_b{false};                       ///< of the grip
   std::atomic<long> messages{0};
   std::atomic<long> malformed{0};  ///< commands that do not have the documented form
 

@@ -221,14 +221,19 @@ class Hanging final : public Device {
   DeviceStatus read(DeviceSample& s) noexcept override {
     if (++reads_ == 50) std::this_thread::sleep_for(std::chrono::milliseconds(100));
     s.number = static_cast<std::uint64_t>(reads_);
-    s.position = Vec3(0, 200, 0);
+    s.position = Vec3(0, 92, 0);  // 3 mm deep, from the first tick on
     return DeviceStatus::ok;
   }
-  DeviceStatus write(const Vec3&) noexcept override { return DeviceStatus::ok; }
+  DeviceStatus write(const Vec3& force) noexcept override {
+    if (reads_ == 50) at_hang_ = force.norm();
+    if (reads_ == 60) after_hang_ = force.norm();
+    return DeviceStatus::ok;
+  }
   void release() noexcept override {
     if (reads_ == 50) ++released_;
   }
   std::atomic<int> reads_{0}, released_{0};
+  std::atomic<double> at_hang_{-1}, after_hang_{-1};
   DeviceInfo info_;
 };
 
@@ -242,7 +247,14 @@ TEST_F(Cycle, TheGuardReleasesAStuckDevice) {
   std::this_thread::sleep_for(std::chrono::milliseconds(400));
   loop.stop();
   EXPECT_GE(device.released_, 1);
-  EXPECT_GE(loop.report().guarded, 1U);
+  const LoopReport r = loop.report();
+  EXPECT_GE(r.guarded, 1U);
+  EXPECT_GE(r.trips[static_cast<std::size_t>(Trip::late)], 1U);
+  EXPECT_EQ(device.at_hang_, 0) << "the tick that hung puts no force out";
+  EXPECT_LT(device.after_hang_, 0.5) << "and what follows starts soft";
+  // About 99 of the deadlines never had a tick: they count as late.
+  EXPECT_GE(r.skipped, 90U);
+  EXPECT_GE(r.late_above_1ms, 90.0 / static_cast<double>(r.ticks + r.skipped));
 }
 
 TEST_F(Cycle, LoopOptionsOutOfRangeAreRefused) {

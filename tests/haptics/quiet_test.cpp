@@ -1,9 +1,20 @@
 // SPDX-License-Identifier: Apache-2.0
 // The tick neither allocates nor locks: operator new and the locks of the C library are counted.
+// Nor does it call the system: a process that may do nothing but end lives through it.
 #include <gtest/gtest.h>
+#include <linux/filter.h>
+#include <linux/seccomp.h>
+#include <sys/prctl.h>
+#include <sys/syscall.h>
+#include <sys/wait.h>
+#include <unistd.h>
+
+#include <filesystem>
+#include <functional>
 
 #include "counters.hpp"
-#include "haptics/tick.hpp"
+#include "haptics/cycle.hpp"
+#include "haptics/simulated_hand.hpp"
 #include "scenes.hpp"
 
 namespace palpate::haptics {
@@ -36,6 +47,53 @@ TEST(Quiet, ATickAllocatesNothingAndTakesNoLock) {
   EXPECT_EQ(quiet.allocations(), 0);
   EXPECT_EQ(quiet.locks(), 0);
   EXPECT_GT(sum, 0);
+}
+
+enum class Ending { quiet, called_the_system, cannot_tell };
+
+// Runs `work` in a child that the kernel kills at the first system call but the one that ends it.
+Ending without_system_calls(const std::function<void()>& work) {
+  const pid_t child = ::fork();
+  if (child == 0) {
+    sock_filter rules[] = {
+        BPF_STMT(BPF_LD | BPF_W | BPF_ABS, offsetof(seccomp_data, nr)),
+        BPF_JUMP(BPF_JMP | BPF_JEQ | BPF_K, SYS_exit_group, 0, 1),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_ALLOW),
+        BPF_STMT(BPF_RET | BPF_K, SECCOMP_RET_KILL_PROCESS),
+    };
+    const sock_fprog program{4, rules};
+    if (::prctl(PR_SET_NO_NEW_PRIVS, 1, 0, 0, 0) != 0 ||
+        ::prctl(PR_SET_SECCOMP, SECCOMP_MODE_FILTER, &program) != 0)
+      ::_exit(2);
+    work();
+    ::_exit(0);
+  }
+  int status = 0;
+  ::waitpid(child, &status, 0);
+  if (WIFEXITED(status) && WEXITSTATUS(status) == 2) return Ending::cannot_tell;
+  return WIFEXITED(status) && WEXITSTATUS(status) == 0 ? Ending::quiet : Ending::called_the_system;
+}
+
+TEST(Quiet, ATickMakesNoSystemCall) {
+  const TouchModel model = make_touch_model(scenes::bumpy_head(30));
+  const TickSetup setup = make_tick_setup(model, *limits_of("falcon"));
+  SimulatedHandOptions o;
+  o.repeat = true;
+  SimulatedHand hand(random_walk(model, 3, 10, 150), o);
+  const auto file = std::filesystem::temp_directory_path() /
+                    ("palpate_quiet_" + std::to_string(::getpid()) + ".touch");
+  {
+    Recorder recorder(file, setup, "simulated hand");
+    TouchCycle cycle(setup, hand, Workspace{}, {}, &recorder);
+    cycle.advance(1, 0);
+    const Ending ending = without_system_calls([&] {
+      for (std::int64_t i = 2; i < 5000; ++i) cycle.advance(i * 1'000'000, 0);
+    });
+    if (ending == Ending::cannot_tell) GTEST_SKIP() << "this system does not filter system calls";
+    EXPECT_EQ(ending, Ending::quiet);
+    EXPECT_EQ(without_system_calls([] { (void)::getppid(); }), Ending::called_the_system);
+  }
+  std::filesystem::remove(file);
 }
 
 TEST(Quiet, SameBitsForTheSameInput) {

@@ -8,20 +8,12 @@
 
 #include "core/error.hpp"
 #include "scenes.hpp"
+#include "slide.hpp"
 
 namespace palpate::haptics {
 namespace {
 
-TickOptions elastic_only() {
-  TickOptions o;
-  o.static_friction = o.kinetic_friction = 0;
-  o.viscous = 0;
-  o.rate = 0;
-  o.slew = 1e9;
-  o.soft_start = 0;
-  o.passivity = false;
-  return o;
-}
+using scenes::elastic_only;
 
 TickInput at(const Vec3& p) {
   TickInput input;
@@ -96,59 +88,47 @@ TEST(Tick, FollowsEveryPieceOfACurve) {
   }
 }
 
-struct Slide {
-  double excess = 0;  // [N] change of the force beyond what the change of depth explains
-  double turn = 0;    // [deg] of the direction
-  double travel = 0;  // [mm] of the touched point
-};
-// A spiral from pole to pole, 0.1 mm a tick, 3 mm below where the smooth ellipsoid is touched.
-Slide slide_over(const TickSetup& setup, int ticks) {
-  Slide worst;
-  TickState state;
-  TickOutput previous;
-  double polar = 0.3, azimuth = 0;
-  for (int i = 0; i < ticks; ++i) {
-    const Vec3 d(std::sin(polar) * std::cos(azimuth), std::cos(polar),
-                 std::sin(polar) * std::sin(azimuth));
-    azimuth += 0.1 / (90 * std::sin(polar));
-    polar += 2.5 / ticks;
-    Vec3 p(75 * d.x(), 110 * d.y(), 95 * d.z());
-    p += 2 * p.cwiseQuotient(Vec3(75 * 75, 110 * 110, 95 * 95)).normalized();
-    const TickOutput out = tick(setup, at(p), state);
-    EXPECT_TRUE(out.in_contact);
-    if (i > 0) {
-      const double turn =
-          std::atan2(out.force.cross(previous.force).norm(), out.force.dot(previous.force));
-      worst.turn = std::max(worst.turn, turn * 180 / std::numbers::pi);
-      // What the map itself changes: with the depth, and from place to place at one depth.
-      const auto there = [&](const Vec3& p_touched) {
-        const SurfacePoint s = setup.model->mesh.nearest(p_touched, 1);
-        const Triangle& corners = setup.model->mesh.triangles[s.triangle];
-        return setup.model->curves.blend(corners, s.on.barycentric, out.depth).force;
-      };
-      const double explained =
-          std::max(out.stiffness, previous.stiffness) * std::abs(out.depth - previous.depth) +
-          std::abs(there(out.point) - there(previous.point));
-      worst.travel = std::max(worst.travel, (out.point - previous.point).norm());
-      const double change = std::abs(out.force.norm() - previous.force.norm());
-      worst.excess = std::max(worst.excess, change - explained);
-    }
-    previous = out;
-  }
-  return worst;
-}
-
+// 100 mm/s from crown to neck, 3 mm deep (slide.hpp).
 TEST(Tick, SlidingOverTheWholeHeadDoesNotJump) {
   for (const int n : {50, 112}) {
     const TouchModel model = make_touch_model(scenes::bumpy_head(n));
-    const TickSetup setup = make_tick_setup(model, unlimited(), elastic_only());
-    const Slide worst = slide_over(setup, 40000);
-    EXPECT_LT(worst.excess, 1e-3);
-    EXPECT_LT(worst.turn, 2);
-    EXPECT_LT(worst.travel, 0.6);
-    std::printf("%zu triangles: excess %.4f N, turn %.2f deg, travel %.2f mm\n",
-                model.mesh.triangles.size(), worst.excess, worst.turn, worst.travel);
+    scenes::SlideOptions options;
+    options.spacing = 15;
+    const scenes::SlideResult worst = scenes::slide_over_head(model, options);
+    EXPECT_GT(worst.ticks, 60000U);
+    EXPECT_EQ(worst.lifts, 0U);
+    EXPECT_LT(worst.excess, 0.05);
+    EXPECT_LT(worst.turn_smooth, 2);
+    EXPECT_LT(worst.depth_jump, 0.05);
+    std::printf("%zu triangles: %zu ticks, excess %.4f N, depth %.4f mm, turn %.2f deg\n",
+                model.mesh.triangles.size(), worst.ticks, worst.excess, worst.depth_jump,
+                worst.turn_smooth);
   }
+}
+
+// A right-angled ridge turns the nearest point's direction by 90 degrees within a tenth of a
+// millimetre of the tool's way, when the tool is fast: the hand feels it turn.
+TEST(Tick, PushGoesOverTheRidgeInSteps) {
+  const TouchModel model =
+      make_touch_model(scenes::landscape(40, 80, 1, [](double x, double) { return -std::abs(x); }));
+  const TickSetup setup = make_tick_setup(model, unlimited(), elastic_only());
+  TickState state;
+  TickOutput out, before;
+  double fastest = 0;
+  for (double z = 6; z > 1; z -= 0.02) out = tick(setup, at(Vec3(-3, 0, z)), state);
+  ASSERT_TRUE(out.in_contact);
+  for (double x = -3; x < 3; x += 0.5) {  // 500 mm/s
+    before = out;
+    out = tick(setup, at(Vec3(x, 0, 4 - std::abs(x))), state);
+    fastest = std::max(fastest, std::acos(std::min(1.0, out.normal.dot(before.normal))));
+  }
+  EXPECT_TRUE(out.settling);
+  for (int i = 0; i < 100; ++i) out = tick(setup, at(Vec3(3, 0, 1)), state);
+  EXPECT_FALSE(out.settling);
+  const TickOutput still = tick(setup, at(Vec3(3, 0, 1)), state);
+  EXPECT_EQ(still.elastic, still.map_force);
+  EXPECT_LT((still.normal - Vec3(1, 0, 1).normalized()).norm(), 1e-3);
+  EXPECT_LT(fastest, 1.6 * std::numbers::pi / 180);
 }
 
 TEST(Tick, CoulombConeSticksThenSlips) {
@@ -237,7 +217,9 @@ TEST(Tick, ScalingForAWeakDeviceKeepsRatios) {
   const TouchModel model = make_touch_model(scenes::bumpy_head(30));
   const auto touch = limits_of("3D Systems Touch");
   ASSERT_TRUE(touch);
-  const TickSetup weak = make_tick_setup(model, *touch, elastic_only());
+  TickOptions keep_ratios = elastic_only();
+  keep_ratios.scaling = Scaling::ratio;
+  const TickSetup weak = make_tick_setup(model, *touch, keep_ratios);
   const TickSetup full = make_tick_setup(model, unlimited(), elastic_only());
   ASSERT_LT(weak.scale, 1);
   EXPECT_FALSE(weak.warnings.empty());

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 // fuzz_readers [MUTATIONS [SEED [KIND]]]: every reader on that many damaged files of each kind, or
-// of the one kind (obj, ply_text, ..., head, tissue). Build it with the asan preset (`make fuzz`);
+// of the one kind (obj, ply_text, ..., head, touch, tissue). Build it with the asan preset (`make fuzz`);
 // whatever a sanitizer or an unexpected exception finds ends the run. The same seed gives the same
 // files on every machine.
 #include <fmt/format.h>
@@ -10,6 +10,7 @@
 #include <functional>
 
 #include "core/error.hpp"
+#include "haptics/tick.hpp"
 #include "io/head_file.hpp"
 #include "io/tissue_formats.hpp"
 #include "samples.hpp"
@@ -24,8 +25,26 @@ bool accepts(const std::function<void(const std::string&)>& read, const std::str
   try {
     read(bytes);
     return true;
-  } catch (const InputError&) {
+  } catch (const InputError& error) {
+    if (std::string_view(error.what()).find('\n') != std::string_view::npos)
+      throw std::logic_error(std::string("more than one line: ") + error.what());
     return false;
+  }
+}
+
+// What is read must also bear a touch, or be refused by then.
+void touch(const std::string& bytes) {
+  using namespace palpate::haptics;
+  const TouchModel model = make_touch_model(parse_head(bytes, "fuzz"));
+  const TickSetup setup = make_tick_setup(model, unlimited());
+  const Box box = model.mesh.tree.box();
+  TickState state;
+  TickInput input;
+  for (int i = 0; i <= 8; ++i) {
+    input.position = box.high + (box.low - box.high) * (0.125 * i);
+    if (!input.position.allFinite()) return;
+    if (!tick(setup, input, state).force.allFinite())
+      throw std::logic_error("a force that is not finite");
   }
 }
 
@@ -73,6 +92,7 @@ int main(int argc, char** argv) {
     (void)head_bytes_without_run(bytes, "fuzz");
     (void)head_bytes(parse_head(bytes, "fuzz"));
   });
+  fuzz(job, "touch", head_bytes(test::sample_head(0)), touch);
   fuzz(job, "tissue", tissue_msh(test::sample_tissue()), [](const std::string& bytes) {
     (void)parse_tissue_msh({"fuzz", bytes, {}});
   });
