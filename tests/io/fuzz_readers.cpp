@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
 // fuzz_readers [MUTATIONS [SEED [KIND]]]: every reader on that many damaged files of each kind, or
-// of the one kind (obj, ply_text, ..., head, touch, tissue). Build it with the asan preset (`make fuzz`);
-// whatever a sanitizer or an unexpected exception finds ends the run. The same seed gives the same
-// files on every machine.
+// of the one kind (obj, ply_text, ..., head, touch, tissue). Build it with the asan preset (`make
+// fuzz`); whatever a sanitizer or an unexpected exception finds ends the run. The same seed gives
+// the same files on every machine.
 #include <fmt/format.h>
 
 #include <cstdio>
