@@ -17,7 +17,9 @@ namespace {
 struct Job {
   DeviceLimits device;
   SkinRegion region;
-  bool bare;  // without friction, drag and rate
+  bool
+      bare;  // without friction, drag and rate: a harder test of the energy; a hand on skin without
+             // friction has nothing to come to rest on, so that its rest is shown, not judged
   scenes::PressResult result;
 };
 
@@ -67,12 +69,12 @@ void press_everywhere(const TouchScene& scene, double seconds, Table& table) {
       }
       table.add(
           fmt::format("{}{}", device.name, bare ? ", elastic only" : ""),
-          "work <= 0, std <= 0.02 N",
+          bare ? "work <= 0" : "work <= 0, std <= 0.02 N",
           fmt::format("work {:.2f} N mm, at most {:.4f} given in one contact; std {:.4f} N ({}); "
                       "up to {:.1f} N, {:.0f} % in contact; {} regions x {:.0f} s",
                       sum.work, sum.given, sum.tremor, name(worst), sum.force, 100 * least_contact,
                       regions, seconds),
-          sum.work <= 1e-6 && sum.tremor <= 0.02);
+          sum.work <= 1e-6 && (bare || sum.tremor <= 0.02));
     }
 }
 
