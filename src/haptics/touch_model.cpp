@@ -34,6 +34,20 @@ void check(const TouchableHead& head, const TouchModelOptions& options) {
         fmt::format("{} friction factors for {} vertices", options.friction.size(), n));
 }
 
+// The tree is in single precision, and its searches count on finding something.
+void check_size(const SurfaceMesh& skin) {
+  constexpr double kFarthest = 1e5;  // [mm] 100 m; a float still tells 0.01 mm there
+  constexpr double kSmallest = 1;    // [mm]
+  for (std::size_t v = 0; v < skin.points.size(); ++v)
+    if (!(skin.points[v].cwiseAbs().maxCoeff() <= kFarthest))
+      throw InputError(fmt::format(
+          "vertex {} lies more than 100 m from the head's origin; build the head again with the "
+          "right unit",
+          v));
+  if (!skin.points.empty() && !(bounding_box(skin.points).size().maxCoeff() >= kSmallest))
+    throw InputError("the head is smaller than 1 mm; build it again with the right unit");
+}
+
 // Rows of the map on the welded points; `known` tells which points have one.
 void copy_curves(const TouchableHead& head, TouchModel& model, std::vector<char>& known) {
   const std::size_t m = head.map.forces.size();
@@ -195,6 +209,7 @@ TouchModel make_touch_model(const TouchableHead& head, const TouchModelOptions& 
   TouchModel model;
   SurfaceMesh skin = head.skin;
   for (Vec3& p : skin.points) p = head.frame.to_head(head.unit_mm * p);
+  check_size(skin);
   model.mesh = make_contact_mesh(skin);
   model.map_radius = head.map.tool_radius;
   model.tool_radius = options.tool_radius > 0 ? options.tool_radius : head.map.tool_radius;

@@ -41,9 +41,9 @@ struct TouchModel {
 /// take the mean travel of the neighbours that have one, ring by ring, and are then smoothed, so
 /// that the force stays continuous; they are marked in `estimated`. A piece of skin that is
 /// connected to no curve takes the median curve of the map.
-/// @throws InputError  no curve at all, sizes that disagree, a curve that does not ascend, an
-/// option
-///                     out of range; names the vertex
+/// @throws InputError  no curve at all, sizes that disagree, a curve that does not ascend, a head
+///                     smaller than 1 mm or a vertex farther than 100 m, an option out of range;
+///                     names the vertex
 /// @note Deterministic. Takes about 1 s per million triangles.
 [[nodiscard]] TouchModel make_touch_model(const TouchableHead& head,
                                           const TouchModelOptions& options = {});

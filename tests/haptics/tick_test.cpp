@@ -319,6 +319,20 @@ TEST(Tick, PassivityControllerStopsTheEnergyPump) {
   EXPECT_GT(energy_of_rounds(true), -0.05);
 }
 
+TEST(TouchModel, HeadsOfNoSizeAreRefused) {
+  TouchableHead far = scenes::even_sphere(5, 90, 2);
+  far.skin.points[7].y() = 1e30;
+  TouchableHead tiny = scenes::even_sphere(5, 90, 2);
+  tiny.unit_mm = 1e-6;
+  try {
+    (void)make_touch_model(far);
+    FAIL();
+  } catch (const InputError& e) {
+    EXPECT_NE(std::string(e.what()).find("vertex 7"), std::string::npos);
+  }
+  EXPECT_THROW((void)make_touch_model(tiny), InputError);
+}
+
 TEST(Tick, OptionsOutOfRangeAreNamed) {
   const TouchModel model = make_touch_model(scenes::even_sphere(10, 90, 2));
   TickOptions o;
