@@ -18,6 +18,8 @@ demo: build
 	@echo
 	@echo "The touchable head:  $(CURDIR)/$(OUT)/head.glb (Blender, ParaView, any glTF viewer)"
 	@echo "The report:          $(CURDIR)/$(OUT)/head.report.html (any browser)"
+	@echo "Touch it:            $(BUILD)/palpate view $(OUT)/head.glb"
+	@if [ -t 1 ] && [ -t 0 ]; then exec $(BUILD)/palpate view $(OUT)/head.glb; fi
 
 test: layout build
 	ctest --test-dir $(BUILD) --output-on-failure -j 2

@@ -58,6 +58,7 @@ void check_writable(const std::filesystem::path& output);
 void add_build_command(CLI::App& app);
 void add_stage_commands(CLI::App& app);  ///< repair, landmarks, place, fit, mesh, sweep
 void add_head_commands(CLI::App& app);   ///< inspect, export, report
+void add_touch_commands(CLI::App& app);  ///< touch, view, feel, devices, replay
 void add_completion_command(CLI::App& app);
 
 }  // namespace palpate::app

@@ -49,12 +49,14 @@ int run(int argc, char** argv) {
   app.require_subcommand(1);
   app.footer(
       "Start with:  palpate build scan.obj -o head.glb\n"
+      "then:        palpate view head.glb\n"
       "Exit codes: 0 done, 1 a bug, 2 the input cannot be used, 3 a solve failed, 4 a file could "
       "not be\n"
       "written, 130 stopped by the user.");
   add_build_command(app);
   add_stage_commands(app);
   add_head_commands(app);
+  add_touch_commands(app);
   add_completion_command(app);
   try {
     std::vector<std::string> words = expand_config(app, {argv + 1, argv + argc});

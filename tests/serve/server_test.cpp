@@ -1,0 +1,158 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The server as a browser, a stranger and an attacker see it.
+#include "serve/server.hpp"
+
+#include <gtest/gtest.h>
+
+#include <memory>
+#include <vector>
+
+#include "core/error.hpp"
+#include "raw_client.hpp"
+#include "scene.hpp"
+
+namespace palpate::serve {
+namespace {
+
+class Serving : public testing::Test {
+ protected:
+  Scene s_;
+  std::unique_ptr<Server> server_;
+  void SetUp() override {
+    s_.loop.start();
+    server_ = start({});
+  }
+  std::unique_ptr<Server> start(const ServerOptions& options) {
+    PageFiles files;
+    files["/"] = {"<p>page</p>", content_type("index.html")};
+    files["/head.glb"] = {std::string(3 << 20, 'x'), content_type("head.glb")};
+    return std::make_unique<Server>(options, std::move(files), s_.live);
+  }
+  [[nodiscard]] unsigned short port() const { return server_->port(); }
+  /// A good client still gets the hello and states that move on.
+  void expect_alive() {
+    raw::Client c(port());
+    ASSERT_TRUE(c.upgrade());
+    EXPECT_NE(c.receive_until("PLST", 3000).find("PLST"), std::string::npos);
+  }
+};
+
+TEST_F(Serving, FilesAndNothingElse) {
+  raw::Client c(port());
+  EXPECT_TRUE(c.get("/").starts_with("HTTP/1.1 200"));
+  for (const char* target : {"/../etc/passwd", "/%2e%2e/etc/passwd", "//etc/passwd", "/nope",
+                             "/head.glb/..", "/./head.glb", "http://localhost/x"}) {
+    raw::Client other(port());
+    EXPECT_TRUE(other.get(target).starts_with("HTTP/1.1 404")) << target;
+  }
+  raw::Client post(port());
+  post.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
+  EXPECT_TRUE(post.receive(3000).starts_with("HTTP/1.1 405"));
+}
+
+TEST_F(Serving, StrangersAreRefused) {
+  EXPECT_TRUE(raw::Client(port()).get("/", "", "evil.com").starts_with("HTTP/1.1 403"));
+  EXPECT_TRUE(
+      raw::Client(port()).get("/", "Origin: http://evil.com\r\n").starts_with("HTTP/1.1 403"));
+  EXPECT_FALSE(raw::Client(port()).upgrade("Origin: http://evil.com\r\n"));
+  EXPECT_TRUE(raw::Client(port()).upgrade("Origin: http://localhost\r\n"));
+}
+
+TEST_F(Serving, ATokenOpensTheDoorOnce) {
+  ServerOptions options;
+  options.token = "s3cret";
+  const auto guarded = start(options);
+  const auto at = guarded->port();
+  EXPECT_NE(guarded->url().find("?token=s3cret"), std::string::npos);
+  EXPECT_TRUE(raw::Client(at).get("/").starts_with("HTTP/1.1 403"));
+  const std::string answer = raw::Client(at).get("/?token=s3cret");
+  EXPECT_TRUE(answer.starts_with("HTTP/1.1 303")) << answer;
+  EXPECT_NE(answer.find("Location: /\r\n"), std::string::npos);
+  EXPECT_TRUE(
+      raw::Client(at).get("/", "Cookie: palpate_token=s3cret\r\n").starts_with("HTTP/1.1 200"));
+  EXPECT_FALSE(raw::Client(at).upgrade());
+  EXPECT_TRUE(raw::Client(at).upgrade("Cookie: palpate_token=s3cret\r\n"));
+}
+
+TEST_F(Serving, WillNotStartUnguarded) {
+  ServerOptions open;
+  open.address = "0.0.0.0";
+  EXPECT_THROW(start(open), InputError);
+  open.address = "example.org";
+  EXPECT_THROW(start(open), InputError);
+  ServerOptions taken;
+  taken.port = port();
+  EXPECT_THROW(start(taken), InputError);
+}
+
+TEST_F(Serving, LongRequestsAreCutOff) {
+  raw::Client header(port());
+  header.send("GET / HTTP/1.1\r\nHost: localhost\r\nX: " + std::string(100'000, 'a'));
+  EXPECT_TRUE(header.closed_within(3000));
+  raw::Client body(port());
+  body.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 1000000\r\n\r\n" +
+            std::string(1000, 'b'));
+  EXPECT_TRUE(body.closed_within(3000));
+  expect_alive();
+}
+
+TEST_F(Serving, AWellFormedPressIsFelt) {
+  raw::Client c(port());
+  ASSERT_TRUE(c.upgrade());
+  Command press;
+  press.kind = Command::Kind::press;
+  press.begin = true;
+  press.point = Vec3(0, 0, 95);
+  press.depth = 3;
+  for (int i = 0; i < 100 && !s_.cycle.latest().out.in_contact; ++i) {
+    ASSERT_TRUE(c.send(raw::frame(command_bytes(press))));
+    press.begin = false;
+    (void)c.receive(20);
+  }
+  EXPECT_TRUE(s_.cycle.latest().out.in_contact);
+}
+
+TEST_F(Serving, MalformedFramesCloseTheirConnectionOnly) {
+  raw::Client good(port());
+  ASSERT_TRUE(good.upgrade());
+  std::vector<std::unique_ptr<raw::Client>> crowd;
+  for (int i = 0; i < 200; ++i) {
+    crowd.push_back(std::make_unique<raw::Client>(port()));
+    ASSERT_TRUE(crowd.back()->upgrade()) << i;
+  }
+  std::mt19937_64 random(5);
+  for (int i = 0; i < 2000; ++i) {
+    auto& c = crowd[static_cast<std::size_t>(i) % crowd.size()];
+    ASSERT_TRUE(c->send(raw::malformed(random)));
+    if (i % 50 == 0) {
+      EXPECT_TRUE(c->closed_within(5000)) << "frame " << i;
+    }
+    c = std::make_unique<raw::Client>(port());
+    ASSERT_TRUE(c->upgrade()) << i;
+  }
+  EXPECT_GT(server_->counts().refused, 1000U);
+  EXPECT_TRUE(good.send(raw::frame(std::string("\x02\0\0\0\0\0\0\0", 8))));
+  (void)good.receive(100);
+  EXPECT_TRUE(good.open());
+  crowd.clear();
+  expect_alive();
+}
+
+TEST_F(Serving, TooManyConnectionsAreTurnedAway) {
+  ServerOptions few;
+  few.max_connections = 3;
+  const auto small = start(few);
+  std::vector<std::unique_ptr<raw::Client>> crowd;
+  for (int i = 0; i < 3; ++i) {
+    crowd.push_back(std::make_unique<raw::Client>(small->port()));
+    ASSERT_TRUE(crowd.back()->upgrade());
+  }
+  EXPECT_TRUE(raw::Client(small->port()).closed_within(3000));
+  crowd.clear();
+  for (int i = 0; i < 100 && small->counts().open > 0; ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_TRUE(raw::Client(small->port()).upgrade());
+}
+
+}  // namespace
+}  // namespace palpate::serve
