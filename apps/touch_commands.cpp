@@ -122,7 +122,6 @@ void add_view(CLI::App& app) {
   auto c = std::make_shared<Command>();
   auto t = std::make_shared<TouchCommand>();
   t->options.device = "pointer";
-  t->options.priority = 0;  // nobody holds a device: no real-time rights are needed
   CLI::App* sub = add_subcommand(
       app, "view", "look at a head in the browser and press it with the mouse",
       "Example:  palpate view head.glb\n"
@@ -215,12 +214,10 @@ void run_devices(const Command& c) {
   for (const haptics::DeviceFinding& d : haptics::list_devices()) {
     all.push_back(
         {{"device", d.backend}, {"name", d.name}, {"usable", d.usable}, {"detail", d.detail}});
-    text += fmt::format("{:<3} {:<18} {:<28} {}\n", d.usable ? "yes" : "no", d.backend, d.name,
-                        d.detail);
+    text += fmt::format("{:<4} {:<16} {}\n{:22}{}\n", d.usable ? "yes" : "no", d.backend, d.name,
+                        "", d.detail);
   }
-  print_result(
-      c, all,
-      "    --device           what                         detail, or what is missing\n" + text);
+  print_result(c, all, text);
 }
 
 struct ReplayCommand {
@@ -268,7 +265,7 @@ void run_replay(const Command& c, const ReplayCommand& r) {
 void add_devices_and_replay(CLI::App& app) {
   auto c = std::make_shared<Command>();
   add_subcommand(app, "devices", "haptic devices that are here, and what is missing for the others",
-                 "Example:  palpate devices\nThe first column goes into `palpate touch --device`.",
+                 "Example:  palpate devices\nThe second column goes into `palpate touch --device`.",
                  c, [](Command& command) { run_devices(command); });
 
   c = std::make_shared<Command>();

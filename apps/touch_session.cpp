@@ -204,7 +204,8 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
     result["url"] = server->url();
   }
   loop.start();
-  for (const std::string& w : loop.report().warnings) say("warning: " + w);
+  if (!opened.pointer)  // a mouse does not need the rights that a device does
+    for (const std::string& w : loop.report().warnings) say("warning: " + w);
   say(fmt::format("device: {} ({:.0f} Hz)", device.info().name, o.rate_hz));
   if (server) {
     say("open " + server->url());

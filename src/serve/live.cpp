@@ -19,7 +19,7 @@ namespace {
 
 constexpr double kFarPick = 20;                   // [mm] a click beside the head is none
 constexpr double kHover = 4;                      // [mm] between lifted tool and skin
-constexpr std::int64_t kSilence = 1'000'000'000;  // [ns]
+constexpr std::int64_t kSilence = 3'000'000'000;  // [ns]
 
 json regions_of(const TouchModel& model) {
   const auto stiffness = haptics::region_stiffness(model);
@@ -148,7 +148,7 @@ json LiveTouch::health() const {
               {"tick_longest_us", r.tick_longest_us},
               {"guarded", r.guarded},
               {"trips", trips},
-              {"warnings", r.warnings},
+              {"warnings", pointer_ ? json::array() : json(r.warnings)},  // a mouse needs no rights
               {"device", haptics::name(cycle_.latest().device)},
               {"trouble", cycle_.device().trouble()}};
   if (recorder_)

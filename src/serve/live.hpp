@@ -52,7 +52,7 @@ class LiveTouch {
   void apply(const Command& command, std::uint64_t client);
   /// The connection ended: its touch is lifted.
   void forget(std::uint64_t client);
-  /// Lifts a touch whose page has been silent for more than a second. Call at display rate.
+  /// Lifts a touch whose page has been silent for more than 3 s. Call at display rate.
   void keep();
 
  private:

@@ -30,7 +30,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
 
   void run(const Request& request) {
     websocket::stream_base::timeout limits{};
-    limits.handshake_timeout = std::chrono::seconds(10);
+    limits.handshake_timeout = std::chrono::seconds(3);  // and for a close to be answered
     limits.idle_timeout = std::chrono::seconds(20);
     limits.keep_alive_pings = true;
     beast::get_lowest_layer(socket_).expires_never();  // the socket's own limits take over

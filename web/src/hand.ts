@@ -20,7 +20,7 @@ const MM_PER_KEY = 0.25;
 const DEEPEST = 25; // mm where the curve does not say
 const RAD_PER_PIXEL = 0.008;
 const KEY_TURN = 0.09; // rad
-const REPEAT_MS = 100; // the server lifts a touch that is silent for a second
+const REPEAT_MS = 100; // the server lifts a touch that is silent for long
 
 export class Hand {
   pressing = false;
@@ -77,6 +77,7 @@ export class Hand {
 
   private down(e: PointerEvent): void {
     this.canvas.focus({ preventScroll: true });
+    this.canvas.classList.remove("keys"); // the cross is for those who aim with keys
     this.canvas.setPointerCapture(e.pointerId);
     this.fingers.set(e.pointerId, [e.clientX, e.clientY]);
     if (this.fingers.size > 1) {
@@ -156,6 +157,7 @@ export class Hand {
   private keyDown(e: KeyboardEvent): void {
     const inControl = e.target instanceof HTMLElement && e.target.closest("input, button, dialog") !== null;
     if (e.ctrlKey || e.metaKey || e.altKey) return;
+    this.canvas.classList.add("keys");
     if (inControl && (e.key.length > 1 || e.key === " ")) return; // arrows and space are the control's own
     const turns: Record<string, [number, number]> = {
       ArrowLeft: [-KEY_TURN, 0], ArrowRight: [KEY_TURN, 0], ArrowUp: [0, KEY_TURN], ArrowDown: [0, -KEY_TURN],

@@ -2,6 +2,7 @@
 // Headless Chromium and a `palpate view` of its own for each test file.
 import { spawn } from "node:child_process";
 import { existsSync } from "node:fs";
+import { dirname, join } from "node:path";
 import { createInterface } from "node:readline";
 
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
@@ -12,6 +13,8 @@ export const HEAD = process.env.PALPATE_TEST_HEAD;
 export function missing() {
   if (!existsSync(CHROMIUM)) return `chromium is not installed (${CHROMIUM}): apt-get install chromium`;
   if (!PROGRAM || !existsSync(PROGRAM)) return "PALPATE_PROGRAM does not name the palpate program";
+  if (!existsSync(join(dirname(PROGRAM), "web", "index.html"))) return "the page is not built (npm)";
+  if (!existsSync(new URL("../node_modules/playwright-core", import.meta.url))) return "playwright-core is not installed (npm ci)";
   if (!HEAD || !existsSync(HEAD)) return "PALPATE_TEST_HEAD does not name a head.glb";
   return "";
 }

@@ -1,0 +1,106 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// touch, replay, feel and devices as a script runs them.
+#include <gtest/gtest.h>
+#include <sys/wait.h>
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <nlohmann/json.hpp>
+
+#include "core/atomic_file.hpp"
+#include "haptics/scenes.hpp"
+#include "io/head_file.hpp"
+
+namespace palpate {
+namespace {
+namespace fs = std::filesystem;
+using nlohmann::json;
+
+struct Said {
+  int code = -1;
+  std::string out;
+};
+/// @param words  for the shell; messages for people are left out
+Said palpate(const std::string& words) {
+  Said said;
+  FILE* pipe = popen((std::string(PALPATE_PROGRAM) + " " + words + " 2>/dev/null").c_str(), "r");
+  std::array<char, 4096> part{};
+  while (const std::size_t n = fread(part.data(), 1, part.size(), pipe))
+    said.out.append(part.data(), n);
+  const int status = pclose(pipe);
+  said.code = WIFEXITED(status) ? WEXITSTATUS(status) : 128 + WTERMSIG(status);
+  return said;
+}
+
+class TouchCommands : public testing::Test {
+ protected:
+  fs::path folder_ = fs::path(testing::TempDir()) / "palpate_touch_commands";
+  std::string head_ = (folder_ / "head.glb").string();
+  std::string recording_ = (folder_ / "visit.touch").string();
+  void SetUp() override {
+    fs::remove_all(folder_);
+    fs::create_directories(folder_);
+    io::write_head(head_, haptics::scenes::even_sphere(20, 90, 0.8));
+  }
+  void TearDown() override { fs::remove_all(folder_); }
+};
+
+TEST_F(TouchCommands, ARecordedTouchReplaysBitForBit) {
+  const Said touch =
+      palpate("touch " + head_ +
+              " --device simulated:falcon --seconds 1 --no-page --json --record " + recording_);
+  ASSERT_EQ(touch.code, 0) << touch.out;
+  const json report = json::parse(touch.out);
+  EXPECT_GT(report["loop"]["ticks"].get<int>(), 100);
+  EXPECT_EQ(report["recording"]["dropped"], 0);
+  const std::string csv = (folder_ / "visit.csv").string();
+  const Said replay =
+      palpate("replay " + recording_ + " --head " + head_ + " --csv " + csv + " --json");
+  ASSERT_EQ(replay.code, 0);
+  const json again = json::parse(replay.out);
+  EXPECT_EQ(again["ticks"], report["recording"]["ticks"]);
+  EXPECT_EQ(again["replay"]["different"], 0);
+  EXPECT_TRUE(read_file(csv).starts_with("time_s,"));
+  io::write_head(head_, haptics::scenes::even_sphere(20, 90, 0.9));
+  EXPECT_EQ(palpate("replay " + recording_ + " --head " + head_).code, 2) << "another head";
+}
+
+TEST_F(TouchCommands, FeelGivesTheCurvesForce) {
+  const Said feel = palpate("feel " + head_ + " --at 0,0,91 --depth 2.5 --json");
+  ASSERT_EQ(feel.code, 0);
+  const json said = json::parse(feel.out);
+  EXPECT_NEAR(said["depth_mm"].get<double>(), 2.5, 0.05);
+  EXPECT_NEAR(said["force_n"].get<double>(), 0.8 * said["depth_mm"].get<double>(), 1e-6);
+  EXPECT_EQ(palpate("feel " + head_ + " --at 500,0,0").code, 2);
+  EXPECT_EQ(palpate("feel " + head_).code, 2);
+}
+
+TEST_F(TouchCommands, ServesAndEndsByItself) {
+  const Said view = palpate("view " + head_ + " --no-open --port 0 --seconds 0.3 --json");
+  ASSERT_EQ(view.code, 0);
+  const json first = json::parse(view.out.substr(0, view.out.find('\n')));
+  EXPECT_TRUE(first["url"].get<std::string>().starts_with("http://127.0.0.1:"));
+  const Said open = palpate("view " + head_ + " --no-open --listen 0.0.0.0 --seconds 0.3 --json");
+  EXPECT_NE(open.out.find("?token="), std::string::npos);
+}
+
+TEST_F(TouchCommands, RefusesWhatCannotBe) {
+  EXPECT_EQ(palpate("touch nope.glb --no-page --seconds 1").code, 2);
+  EXPECT_EQ(palpate("touch " + head_ + " --no-page --seconds 1 --device nothing").code, 2);
+  EXPECT_EQ(palpate("touch " + head_ + " --no-page --seconds 1 --device simulated:nothing").code,
+            2);
+  EXPECT_EQ(palpate("touch " + head_ + " --no-page --seconds 1 --rate 50").code, 2);
+  EXPECT_EQ(palpate("replay " + head_).code, 2);
+}
+
+TEST_F(TouchCommands, DevicesSayWhatIsMissing) {
+  const json all = json::parse(palpate("devices --json").out);
+  ASSERT_GE(all.size(), 4U);
+  EXPECT_TRUE(all[0]["usable"].get<bool>());
+  for (const json& d : all) EXPECT_FALSE(d["detail"].get<std::string>().empty()) << d;
+}
+
+}  // namespace
+}  // namespace palpate

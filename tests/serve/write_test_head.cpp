@@ -1,0 +1,30 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// Writes a head in closed form for the tests of the page:  write_test_head OUT.glb CUTS
+// 8 CUTS^2 triangles; below -90 mm no vertex has a curve.
+#include <cstdlib>
+#include <iostream>
+#include <limits>
+
+#include "haptics/scenes.hpp"
+#include "io/head_file.hpp"
+
+int main(int argc, char** argv) {
+  using namespace palpate;
+  if (argc != 3) return 2;
+  TouchableHead head = haptics::scenes::bumpy_head(std::atoi(argv[2]));
+  constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
+  const std::size_t forces = head.map.forces.size();
+  for (std::size_t v = 0; v < head.skin.points.size(); ++v) {
+    head.map.depth[v] = 4 + 10 * (1 + head.skin.points[v].y() / 111);
+    head.map.error[v] = 0.02;
+    if (head.skin.points[v].y() > -90) continue;
+    head.map.status[v] = VertexStatus::no_bone;
+    head.map.error[v] = head.map.depth[v] = kNone;
+    for (std::size_t i = 0; i < forces; ++i) head.map.displacement[v * forces + i] = kNone;
+  }
+  head.skull.points = head.skin.points;
+  for (Vec3& p : head.skull.points) p *= 0.9;
+  head.skull.triangles = head.skin.triangles;
+  head.skull_region.assign(head.skull.points.size(), SkullRegion::none);
+  io::write_head(argv[1], head);
+}
