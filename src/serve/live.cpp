@@ -168,14 +168,16 @@ Vec3 LiveTouch::to_user(const Vec3& head) const {
 }
 
 void LiveTouch::press(const Command& c, std::uint64_t client) {
-  if (!pointer_ || (!c.begin && owner_ != client)) return;
+  // A page that was silent for so long that its touch was lifted takes it up again.
+  const bool begin = c.begin || owner_ == 0;
+  if (!pointer_ || (!begin && owner_ != client)) return;
   const TouchModel& model = *cycle_.setup().model;
   const auto place = press_place(model, c.point);
   if (!place) return;
   place_ = *place;
   heard_ns_ = haptics::monotonic_ns();
   const double radius = model.tool_radius;
-  if (!c.begin) {
+  if (!begin) {
     pointer_->move_to(to_user(place_.center(radius, c.depth)));
     return;
   }
