@@ -27,9 +27,10 @@ class Client {
     ::setsockopt(socket_, IPPROTO_TCP, TCP_NODELAY, &on, sizeof on);
   }
   ~Client() {
-    // Reset instead of a lingering close: a flood would use up the ports.
+    // Where the server has not closed: reset instead of a lingering close, since a flood would use
+    // up the ports.
     const linger now{1, 0};
-    ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof now);
+    if (open_) ::setsockopt(socket_, SOL_SOCKET, SO_LINGER, &now, sizeof now);
     ::close(socket_);
   }
   Client(const Client&) = delete;
