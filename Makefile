@@ -11,8 +11,9 @@ build: $(BUILD)/build.ninja
 $(BUILD)/build.ninja: CMakeLists.txt CMakePresets.json
 	cmake --preset $(PRESET)
 
-# The main job on the bundled head.
-demo: build
+# The main job on the bundled head; the program and the page, without the tests.
+demo: $(BUILD)/build.ninja
+	cmake --build $(BUILD) --target palpate palpate_page
 	mkdir -p $(OUT)
 	$(BUILD)/palpate build data/head.ply --unit mm -o $(OUT)/head.glb --report $(OUT)/head.report.html
 	@echo
