@@ -6,8 +6,10 @@
 
 #include <cstdio>
 #include <sstream>
+#include <tuple>
 
 #include "apps/describe.hpp"
+#include "apps/tissue_file.hpp"
 #include "core/error.hpp"
 
 namespace palpate::app {
@@ -26,6 +28,28 @@ static std::pair<std::string, Vec3> parse_landmark(const std::string& word) {
   return {word.substr(0, equals), p};
 }
 
+static std::pair<int, int> parse_shard(const std::string& word) {
+  int index = 0, count = 0, used = 0;
+  if (std::sscanf(word.c_str(), "%d/%d%n", &index, &count, &used) != 2 ||
+      used != static_cast<int>(word.size()) || index < 1 || index > count)
+    throw InputError(fmt::format("--shard {}: write i/n with 1 <= i <= n", word));
+  return {index - 1, count};
+}
+
+/// The model, and what the command line changes in a uniform one.
+static void finish_tissue(Command& c) {
+  stiffness::TissueModel& model = c.options.sweep.tissue;
+  if (c.tissue_model != model.name) model = read_tissue_model(c.tissue_model);
+  const bool changed = c.youngs_modulus_kpa > 0 || c.poissons_ratio >= 0;
+  if (changed && model.kind != stiffness::TissueKind::uniform)
+    throw InputError(fmt::format("--youngs-modulus-kpa and --poissons-ratio change a uniform model; "
+                                 "{} is not one",
+                                 c.tissue_model));
+  if (changed) model.source = "given on the command line";
+  if (c.youngs_modulus_kpa > 0) model.youngs_modulus = c.youngs_modulus_kpa * 1e-3;
+  if (c.poissons_ratio >= 0) model.poissons_ratio = c.poissons_ratio;
+}
+
 void Command::finish() {
   if (!landmark_file.empty()) options.landmarks.given = read_landmark_file(landmark_file);
   for (const std::string& word : landmark_words) {
@@ -35,7 +59,10 @@ void Command::finish() {
   options.landmarks.method =
       landmark_method == "published" ? landmarks::Method::published : landmarks::Method::robust;
   options.fit.method = fit_method == "published" ? skull::Method::published : skull::Method::depth;
-  options.sweep.youngs_modulus = youngs_modulus_kpa * 1e-3;
+  finish_tissue(*this);
+  options.sweep.mode =
+      mode == "exact" ? stiffness::SweepMode::exact : stiffness::SweepMode::fast;
+  if (!shard.empty()) std::tie(options.sweep.shard, options.sweep.shard_count) = parse_shard(shard);
   options.sweep.threads = threads;
 }
 
@@ -100,8 +127,19 @@ void add_tissue_options(CLI::App* sub, const CommandPtr& c) {
 
 void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
   auto& s = c->options.sweep;
-  sub->add_option("--sites", s.sites, "skin points that are solved in full; the rest is blended")
-      ->check(CLI::Range(8, 1000000))
+  sub->add_option("--mode", c->mode,
+                  "fast: coarse presses, full ones where the predicted error asks for it; exact: "
+                  "every vertex on tissue in full")
+      ->check(CLI::IsMember({"fast", "exact"}))
+      ->capture_default_str();
+  sub->add_option("--sites", s.sites,
+                  "vertices that are solved in full; 0: 300 in fast mode, all in exact mode (where "
+                  "fewer are asked for, the rest is blended)")
+      ->check(CLI::Range(0, 1000000))
+      ->capture_default_str();
+  sub->add_option("--error-bound", s.error_bound,
+                  "largest predicted error of a learned curve in fast mode")
+      ->check(CLI::Range(0.001, 1.0))
       ->capture_default_str();
   sub->add_option("--tool-radius", s.tool_radius, "[mm] sphere that presses; 8 is a fingertip")
       ->check(CLI::Range(1.0, 30.0))
@@ -112,13 +150,23 @@ void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
   sub->add_option("--loads", s.loads, "number of force steps")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--youngs-modulus-kpa", c->youngs_modulus_kpa, "[kPa] of the flesh")
-      ->check(CLI::Range(0.1, 1e4))
+  sub->add_option("--tissue-model", c->tissue_model,
+                  "published, regional, layered or a .toml: what the flesh is made of")
       ->capture_default_str();
-  sub->add_option("--poissons-ratio", s.poissons_ratio, "[-] of the flesh")
-      ->check(CLI::Range(0.0, 0.495))
-      ->capture_default_str();
+  sub->add_option("--youngs-modulus-kpa", c->youngs_modulus_kpa,
+                  "[kPa] of the flesh, instead of the published 45.658")
+      ->check(CLI::Range(0.1, 1e4));
+  sub->add_option("--poissons-ratio", c->poissons_ratio,
+                  "[-] of the flesh, instead of the published 0.43")
+      ->check(CLI::Range(0.0, 0.495));
+  sub->add_option("--checkpoint", s.checkpoint,
+                  "file that keeps what is solved; the same command goes on from it");
   sub->add_option("--seed", s.seed, "for the choice of sites")->capture_default_str();
+}
+
+void add_own_skull(CLI::App* sub, const CommandPtr& c) {
+  sub->add_option("--skull", c->options.own_skull,
+                  "skull surface (scan frame, mm), for example from `palpate fit`");
 }
 
 void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what) {

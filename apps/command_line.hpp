@@ -25,7 +25,11 @@ struct Command {
   std::filesystem::path landmark_file;
   std::string landmark_method = "robust";
   std::string fit_method = "depth";
-  double youngs_modulus_kpa = 45.658;
+  std::string tissue_model = "published";
+  double youngs_modulus_kpa = 0;  ///< 0: as the tissue model says
+  double poissons_ratio = -1;     ///< < 0: likewise
+  std::string mode = "fast";
+  std::string shard;  ///< "i/n", i from 1
   std::string config;  ///< read before the parse; here for --help
   bool json = false;
   bool quiet = false;
@@ -46,7 +50,8 @@ void add_scan_options(CLI::App* sub, const CommandPtr& c);      ///< SCAN, --uni
 void add_landmark_options(CLI::App* sub, const CommandPtr& c);  ///< --landmarks, --landmark, ...
 void add_fit_options(CLI::App* sub, const CommandPtr& c);  ///< --fit, --clearance, --template, ...
 void add_tissue_options(CLI::App* sub, const CommandPtr& c);  ///< --max-volume, ...
-void add_sweep_options(CLI::App* sub, const CommandPtr& c);   ///< --sites, --tool-radius, ...
+void add_sweep_options(CLI::App* sub, const CommandPtr& c);   ///< --mode, --sites, --tissue-model, ...
+void add_own_skull(CLI::App* sub, const CommandPtr& c);       ///< --skull
 void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what);
 
 /// The result: JSON on standard output with --json, else the lines `text`.
@@ -56,7 +61,8 @@ void check_writable(const std::filesystem::path& output);
 
 // One function per group of subcommands; main.cpp calls them.
 void add_build_command(CLI::App& app);
-void add_stage_commands(CLI::App& app);  ///< repair, landmarks, place, fit, mesh, sweep
+void add_stage_commands(CLI::App& app);  ///< repair, landmarks, place, fit, mesh
+void add_sweep_commands(CLI::App& app);  ///< sweep, merge
 void add_head_commands(CLI::App& app);   ///< inspect, export, report
 void add_touch_commands(CLI::App& app);  ///< touch, view, feel, devices, replay
 void add_completion_command(CLI::App& app);

@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "apps/tissue_file.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "report/summary.hpp"
@@ -35,11 +36,12 @@ json describe(const PipelineOptions& o) {
       {"own_skull", o.own_skull.filename().string()},
       {"tissue_max_volume_mm3", o.tissue.max_volume},
       {"tool_radius_mm", o.sweep.tool_radius},
-      {"youngs_modulus_kpa", o.sweep.youngs_modulus * 1e3},
-      {"poissons_ratio", o.sweep.poissons_ratio},
+      {"mode", o.sweep.mode == stiffness::SweepMode::exact ? "exact" : "fast"},
+      {"tissue_model", describe(o.sweep.tissue)},
       {"loads", o.sweep.loads},
       {"max_force_n", o.sweep.max_force},
       {"sites", o.sweep.sites},
+      {"error_bound", o.sweep.error_bound},
       {"no_bone_beyond_mm", o.sweep.no_bone_beyond},
       {"seed", o.sweep.seed},
   };

@@ -55,6 +55,7 @@ int run(int argc, char** argv) {
       "written, 130 stopped by the user.");
   add_build_command(app);
   add_stage_commands(app);
+  add_sweep_commands(app);
   add_head_commands(app);
   add_touch_commands(app);
   add_completion_command(app);

@@ -122,13 +122,22 @@ SkullFit make_skull(const LocatedHead& located, const PipelineOptions& options,
 
 MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
                     const PipelineOptions& options, const Progress& progress, StageClock& clock) {
+  constexpr std::size_t kMany = 2;  // times the working skin's points: pressing each tells no more
   MappedHead mapped;
-  mapped.sweep = clock.run(
-      "sweep", [&] { return stiffness::sweep(located.head, skull, options.sweep, progress); });
-  mapped.map = clock.run("transfer", [&] {
-    return stiffness::transfer(mapped.sweep.map, located.head, skull, located.points,
-                               located.normals, located.region);
+  const stiffness::SkinPoints points{located.points, located.region};
+  const bool carry = options.sweep.mode == stiffness::SweepMode::fast &&
+                     points.position.size() > kMany * located.head.skin.points.size();
+  mapped.sweep = clock.run("sweep", [&] {
+    return carry ? stiffness::sweep(located.head, skull, options.sweep, progress)
+                 : stiffness::sweep(located.head, skull, points, options.sweep, progress);
   });
+  if (options.sweep.shard_count > 1) return mapped;
+  if (carry)
+    mapped.map = clock.run("transfer", [&] {
+      return stiffness::transfer(mapped.sweep.map, located.head, skull, points);
+    });
+  else
+    mapped.map = mapped.sweep.map;
   return mapped;
 }
 

@@ -84,7 +84,8 @@ struct LocatedHead {
 /// The fitted skull, or the user's own one; head frame.
 [[nodiscard]] SkullFit make_skull(const LocatedHead& located, const PipelineOptions& options,
                                   const Progress& progress, StageClock& clock);
-/// Swept and carried to the user's vertices.
+/// Swept on the user's vertices; in fast mode, where these are many more than the working skin's
+/// points, on those and carried over.
 struct MappedHead {
   StiffnessMap map;
   stiffness::Sweep sweep;

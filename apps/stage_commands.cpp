@@ -8,7 +8,6 @@
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "io/export.hpp"
-#include "io/head_file.hpp"
 #include "registration/place.hpp"
 
 namespace palpate::app {
@@ -106,23 +105,6 @@ void run_mesh(Command& c) {
                            tissue.nodes.size(), c.output.string()));
 }
 
-void run_sweep(Command& c) {
-  check_writable(c.output);
-  Start start(c);
-  const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
-  const MappedHead mapped = make_map(start.located, skull, c.options, *start.progress, start.clock);
-  TouchableHead head =
-      assemble(start.scan, start.located, skull, mapped, std::nullopt, c.options, skull.warnings);
-  head.run = {{"seconds", start.clock.seconds()}, {"threads", c.threads}};
-  io::write_head(c.output, head);
-  print_result(c, describe(head), fmt::format("head {}\n", c.output.string()));
-}
-
-void add_own_skull(CLI::App* sub, const CommandPtr& c) {
-  sub->add_option("--skull", c->options.own_skull,
-                  "skull surface (scan frame, mm), for example from `palpate fit`");
-}
-
 }  // namespace
 
 void add_stage_commands(CLI::App& app) {
@@ -166,17 +148,6 @@ void add_stage_commands(CLI::App& app) {
   add_own_skull(sub, c);
   add_tissue_options(sub, c);
   add_output_option(sub, c, "tissue mesh: .vtu .veg .inp .msh");
-
-  c = std::make_shared<Command>();
-  sub = add_subcommand(
-      app, "sweep", "scan and skull -> force-depth curves (head.glb without report)",
-      "Example:  palpate sweep scan.obj --skull skull.ply -o head.glb", c, run_sweep);
-  add_scan_options(sub, c);
-  add_landmark_options(sub, c);
-  add_fit_options(sub, c);
-  add_own_skull(sub, c);
-  add_sweep_options(sub, c);
-  add_output_option(sub, c, "touchable head, .glb");
 }
 
 }  // namespace palpate::app

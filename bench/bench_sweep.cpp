@@ -35,7 +35,7 @@ std::vector<double> press_slab(const PatchRule& rule, double thickness, double f
                                double penalty) {
   const PatchTemplate t = make_template(rule);
   fem::Cholesky cholesky(t.topology.pattern);
-  const SiteCurve c = press_site(t, slab(t, thickness, first_layer), fem::neo_hookean(kFlesh),
+  const SiteCurve c = press_site(t, slab(t, thickness, first_layer), {fem::neo_hookean(kFlesh)},
                                  {kTool, penalty}, kSlabForces, cholesky);
   return c.travel.empty() ? std::vector<double>(kSlabForces.size(), NAN) : c.travel;
 }
@@ -90,10 +90,10 @@ void speed() {
       const PatchTemplate t = make_template(rule_for_depth(depth, kTool));
       const fem::lanes::Plan plan = fem::lanes::make_plan(t.topology);
       fem::lanes::BatchPress batch(t.topology, plan, set);
-      std::vector<std::vector<Vec3>> patches;
-      for (int i = 0; i < 16; ++i) patches.push_back(slab(t, depth * (0.7 + 0.04 * i), 2.5));
+      std::vector<fem::lanes::BatchPatch> patches;
+      for (int i = 0; i < 16; ++i) patches.push_back({slab(t, depth * (0.7 + 0.04 * i), 2.5), {kFlesh}});
       const auto start = Clock::now();
-      const auto lanes = batch.press(patches, kFlesh, {}, forces);
+      const auto lanes = batch.press(patches, kTool, forces);
       const double seconds = seconds_since(start);
       double steps = 0;
       for (const auto& l : lanes) steps += l.iterations / 16.0;

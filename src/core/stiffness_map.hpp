@@ -18,6 +18,22 @@ inline constexpr std::array<std::string_view, 5> kVertexStatusNames = {"solved",
   return kVertexStatusNames[static_cast<std::size_t>(s)];
 }
 
+/// How a vertex came by its curve: single precision in a batch of sixteen, double precision,
+/// double precision on an unstructured patch (where the skin is no height field), or learned.
+enum class SolveMethod : std::uint8_t { none, batch, in_double, unstructured, surrogate };
+inline constexpr std::array<std::string_view, 5> kSolveMethodNames = {"none", "batch", "double",
+                                                                      "unstructured", "surrogate"};
+[[nodiscard]] constexpr std::string_view name(SolveMethod m) {
+  return kSolveMethodNames[static_cast<std::size_t>(m)];
+}
+
+/// How far the skin around a pressed vertex goes down, as a share of the tool's travel.
+struct Dents {
+  double force = 0;           ///< [N] at which it was taken
+  std::vector<double> radii;  ///< [mm] ascending, from the press axis; empty: no dents known
+  std::vector<double> share;  ///< [-] n x radii.size(), mean around the axis; NaN where no curve
+};
+
 /// Force-travel samples per vertex. A row is NaN where there is no curve (no_bone, held, failed).
 struct StiffnessMap {
   double tool_radius = 8;            ///< [mm] sphere that pressed
@@ -28,6 +44,8 @@ struct StiffnessMap {
   std::vector<double> error;         ///< [-] n, estimated relative error of u; NaN where none
   std::vector<double> depth;         ///< [mm] n, skin to bone; NaN where no bone
   std::vector<SkinRegion> region;    ///< n
+  std::vector<SolveMethod> method;   ///< n, or empty where unknown
+  Dents dents;
 
   [[nodiscard]] std::size_t size() const { return status.size(); }
   [[nodiscard]] std::span<const double> curve(std::size_t vertex) const {

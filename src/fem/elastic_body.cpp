@@ -11,7 +11,14 @@ namespace palpate::fem {
 
 ElasticBody::ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
                          std::shared_ptr<const EnergyDensity> law, std::vector<Vec3> prescribed)
-    : topology_(topology), law_(std::move(law)), prescribed_(std::move(prescribed)) {
+    : ElasticBody(topology, nodes,
+                  std::vector<std::shared_ptr<const EnergyDensity>>{std::move(law)},
+                  std::move(prescribed)) {}
+
+ElasticBody::ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
+                         std::vector<std::shared_ptr<const EnergyDensity>> laws,
+                         std::vector<Vec3> prescribed)
+    : topology_(topology), laws_(std::move(laws)), prescribed_(std::move(prescribed)) {
   const TetQuadrature& rule = stiffness_quadrature(topology.order);
   const int stride = tet_nodes(topology.order);
   points_per_tet_ = static_cast<int>(rule.weights.size());
@@ -56,7 +63,7 @@ Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& x, std::size_t poi
 double ElasticBody::energy(const Eigen::VectorXd& x) const {
   double sum = 0;
   for (std::size_t p = 0; p < volume_.size(); ++p) {
-    const double psi = law_->value(deformation_gradient(x, p));
+    const double psi = law(p).value(deformation_gradient(x, p));
     if (psi == kInadmissible) return kInadmissible;
     sum += volume_[p] * psi;
   }
@@ -71,7 +78,7 @@ void ElasticBody::add_derivatives(const Eigen::VectorXd& x, HessianKind kind,
     const Mat3 F = deformation_gradient(x, p);
     const int tet = static_cast<int>(p / points_per_tet_);
     if (gradient) {
-      const Mat3 P = volume_[p] * law_->stress(F);
+      const Mat3 P = volume_[p] * law(p).stress(F);
       for (int a = 0; a < stride; ++a) {
         const int f = topology_.free_node[topology_.tets[tet * stride + a]];
         const Eigen::Map<const Vec3> g(&gradient_[(p * stride + a) * 3]);
@@ -80,7 +87,7 @@ void ElasticBody::add_derivatives(const Eigen::VectorXd& x, HessianKind kind,
     }
     if (!hessian) continue;
     Mat9& A = tangents[p % points_per_tet_];
-    A = law_->tangent(F);
+    A = law(p).tangent(F);
     if (kind == HessianKind::projected) A = positive_part(A);
     A *= volume_[p];
     if ((p + 1) % points_per_tet_ == 0) add_element_hessian(tet, tangents, *hessian);
@@ -116,7 +123,7 @@ std::vector<Vec3> ElasticBody::nodal_forces(const Eigen::VectorXd& x) const {
   const int stride = tet_nodes(topology_.order);
   std::vector<Vec3> force(topology_.free_node.size(), Vec3::Zero());
   for (std::size_t p = 0; p < volume_.size(); ++p) {
-    const Mat3 P = volume_[p] * law_->stress(deformation_gradient(x, p));
+    const Mat3 P = volume_[p] * law(p).stress(deformation_gradient(x, p));
     for (int a = 0; a < stride; ++a)
       force[topology_.tets[p / points_per_tet_ * stride + a]] -=
           P * Eigen::Map<const Vec3>(&gradient_[(p * stride + a) * 3]);

@@ -21,6 +21,10 @@ class ElasticBody {
   /// @throws InputError  names the first tetrahedron with a Jacobian <= 0
   ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
               std::shared_ptr<const EnergyDensity> law, std::vector<Vec3> prescribed = {});
+  /// @param laws  one for all tetrahedra, or one each
+  ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
+              std::vector<std::shared_ptr<const EnergyDensity>> laws,
+              std::vector<Vec3> prescribed = {});
 
   [[nodiscard]] const Topology& topology() const { return topology_; }
   /// Displacement of node n [mm] under the unknowns x.
@@ -34,12 +38,15 @@ class ElasticBody {
   [[nodiscard]] std::vector<Vec3> nodal_forces(const Eigen::VectorXd& x) const;
 
  private:
+  const EnergyDensity& law(std::size_t point) const {
+    return *laws_[laws_.size() == 1 ? 0 : point / points_per_tet_];
+  }
   Mat3 deformation_gradient(const Eigen::VectorXd& x, std::size_t point) const;
   void add_element_hessian(int tet, const std::vector<Mat9>& tangents,
                            std::vector<double>& hessian) const;
 
   const Topology& topology_;
-  std::shared_ptr<const EnergyDensity> law_;
+  std::vector<std::shared_ptr<const EnergyDensity>> laws_;
   std::vector<Vec3> prescribed_;
   int points_per_tet_;
   std::vector<double> volume_;    // [mm^3] weight of each quadrature point

@@ -112,6 +112,7 @@ PressCurve press(const ElasticBody& body, const Contact& contact, std::span<cons
   curve.travel =
       rigid_contact_travel(forces, curve.penalised_travel, squared_pressure, contact.penalty());
   curve.complete = states.size() == forces.size();
+  curve.states = std::move(states);
   return curve;
 }
 

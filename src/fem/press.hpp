@@ -18,6 +18,7 @@ struct PressCurve {
   std::vector<double> travel;            ///< [mm] one per load that converged, rigid contact
   std::vector<double> penalised_travel;  ///< [mm] the same with the penalty's penetration in it
   Eigen::VectorXd last;                  ///< unknowns at the last converged load
+  std::vector<Eigen::VectorXd> states;   ///< unknowns at each of them
   int iterations = 0;                    ///< over all loads
   int projections = 0;
   double residual = 0;    ///< [N] of the last load tried

@@ -208,6 +208,28 @@ class HeadReader {
     return mesh;
   }
 
+  /// What files of the first program versions do not have.
+  void read_additions(const json& primitive) {
+    StiffnessMap& map = head_.map;
+    const std::size_t n = map.size();
+    if (extension_->contains("method_names")) {
+      check_names("method_names", kSolveMethodNames);
+      map.method = codes<SolveMethod>(primitive, n, kSolveMethodNames.size(), "_METHOD");
+    }
+    if (!extension_->contains("dents")) return;
+    const json& dents = member(*extension_, "dents");
+    constexpr std::size_t kMaxRings = 100;
+    map.dents.force = positive(dents, "force_n");
+    map.dents.radii = number_list(member(dents, "radii_mm"), "radii_mm");
+    if (map.dents.radii.size() > kMaxRings) document_.fail("dents", "has too many radii");
+    map.dents.share.assign(n * map.dents.radii.size(), kNaN);
+    for (std::size_t r = 0; r < map.dents.radii.size(); ++r) {
+      const auto ring = values(primitive, fmt::format("_DENT_{}", r + 1), n);
+      for (std::size_t v = 0; v < n; ++v)
+        if (map.has_curve(v)) map.dents.share[v * map.dents.radii.size() + r] = ring[v];
+    }
+  }
+
   void read_map(const json& primitive) {
     StiffnessMap& map = head_.map;
     const std::size_t n = head_.skin.points.size(), samples = map.forces.size();
@@ -217,6 +239,7 @@ class HeadReader {
     map.error = values(primitive, "_ERROR", n);
     for (std::vector<double>* column : {&map.depth, &map.error})
       std::replace(column->begin(), column->end(), -1.0, kNaN);
+    read_additions(primitive);
     map.displacement.assign(n * samples, kNaN);
     for (std::size_t i = 0; i < samples; ++i) {
       const std::string name = fmt::format("_U_{}", i + 1);

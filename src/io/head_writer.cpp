@@ -27,8 +27,14 @@ void check_map(const TouchableHead& head) {
   if (head.skin.empty()) refuse("the skin has no triangles");
   if (samples == 0) refuse("no forces");
   if (map.status.size() != n || map.error.size() != n || map.depth.size() != n ||
-      map.region.size() != n || map.displacement.size() != n * samples)
+      map.region.size() != n || map.displacement.size() != n * samples ||
+      (!map.method.empty() && map.method.size() != n) ||
+      map.dents.share.size() != n * map.dents.radii.size())
     refuse(fmt::format("the map has not one row for each of the {} vertices", n));
+  for (std::size_t v = 0; v < n && !map.dents.radii.empty(); ++v)
+    for (std::size_t r = 0; r < map.dents.radii.size() && map.has_curve(v); ++r)
+      if (!std::isfinite(map.dents.share[v * map.dents.radii.size() + r]))
+        refuse(fmt::format("vertex {}: its dent is not finite", v));
   if (head.skull_region.size() != head.skull.points.size())
     refuse("the skull has not one region per vertex");
   for (const SurfaceMesh* mesh : {&head.skin, &head.skull})
@@ -106,6 +112,15 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
   attributes["_ERROR"] = glb.add_floats(floats(map.error, or_missing), 1);
   attributes["_STATUS"] = glb.add_floats(floats(map.status, code), 1);
   attributes["_REGION"] = glb.add_floats(floats(map.region, code), 1);
+  if (!map.method.empty()) attributes["_METHOD"] = glb.add_floats(floats(map.method, code), 1);
+  for (std::size_t r = 0; r < map.dents.radii.size(); ++r) {
+    std::vector<float> ring;
+    for (std::size_t v = 0; v < map.size(); ++v)
+      ring.push_back(map.has_curve(v)
+                         ? static_cast<float>(map.dents.share[v * map.dents.radii.size() + r])
+                         : 0.0f);
+    attributes[fmt::format("_DENT_{}", r + 1)] = glb.add_floats(ring, 1);
+  }
 
   const std::size_t n = map.size(), samples = map.forces.size();
   std::vector<std::vector<float>> u(samples, std::vector<float>(n, -1)), k(samples), b(samples);
@@ -167,6 +182,9 @@ json extension(const TouchableHead& head, const StiffnessColours& colours) {
   out["forces_n"] = head.map.forces;
   out["missing"] = -1;
   out["status_names"] = kVertexStatusNames;
+  if (!head.map.method.empty()) out["method_names"] = kSolveMethodNames;
+  if (!head.map.dents.radii.empty())
+    out["dents"] = {{"force_n", head.map.dents.force}, {"radii_mm", head.map.dents.radii}};
   out["skin_region_names"] = kSkinRegionNames;
   out["skull_region_names"] = kSkullRegionNames;
   out["colour"] = {{"quantity", "force / travel"}, {"force_n", kColourForce}, {"unit", "N/mm"},

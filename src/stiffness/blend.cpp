@@ -47,8 +47,9 @@ double median(std::vector<double> v) {
 
 }  // namespace
 
-CurveBlend::CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel)
-    : sites_(std::move(sites)), travel_(travel) {
+CurveBlend::CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel,
+                       const Eigen::MatrixXd& others)
+    : sites_(std::move(sites)), travel_(travel), others_(others) {
   const Eigen::Index n = travel.rows(), s = sites_.shape.cols();
   mean_ = sites_.shape.colwise().mean();
   inverse_deviation_ =
@@ -61,7 +62,8 @@ CurveBlend::CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel)
   basis.col(0).setOnes();
   basis.rightCols(s) =
       (sites_.shape.rowwise() - mean_.transpose()) * inverse_deviation_.asDiagonal();
-  const Eigen::MatrixXd y = to_logarithms(travel);
+  Eigen::MatrixXd y = to_logarithms(travel);
+  if (sites_.guess.size() > 0) y -= to_logarithms(sites_.guess);
   Eigen::MatrixXd normal = basis.transpose() * basis;
   normal.diagonal().tail(s).array() += kRidge * static_cast<double>(n);
   trend_ = normal.ldlt().solve(basis.transpose() * y);
@@ -71,6 +73,9 @@ CurveBlend::CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel)
   weight_ = (weight_ / std::max(weight_.maxCoeff(), 1e-12)).cwiseMax(kLeastWeight);
   sites_.shape = basis.rightCols(s) * weight_.asDiagonal();
   choose_kernel();
+  if (others_.size() == 0) return;
+  others_mean_ = others_.colwise().mean();
+  others_alpha_ = factor_.solve(others_.rowwise() - others_mean_);
 }
 
 Eigen::VectorXd CurveBlend::scaled_shape(const Eigen::VectorXd& shape) const {
@@ -141,8 +146,8 @@ void CurveBlend::choose_kernel() {
   fit(kernel_);
 }
 
-CurveBlend::Curve CurveBlend::at(const Eigen::VectorXd& shape,
-                                 const Eigen::Vector3d& position) const {
+CurveBlend::Curve CurveBlend::at(const Eigen::VectorXd& shape, const Eigen::Vector3d& position,
+                                 const Eigen::VectorXd& guess) const {
   const Eigen::Index n = sites_.shape.rows();
   const Eigen::VectorXd z = scaled_shape(shape);
   Eigen::VectorXd k(n);
@@ -150,12 +155,15 @@ CurveBlend::Curve CurveBlend::at(const Eigen::VectorXd& shape,
     k[i] = covariance_of((sites_.shape.row(i).transpose() - z).norm(),
                          (sites_.position.row(i).transpose() - position).norm(), kernel_);
   const Eigen::VectorXd standard = (shape - mean_).cwiseProduct(inverse_deviation_);
-  const Eigen::RowVectorXd y = trend_.row(0) +
-                               standard.transpose() * trend_.bottomRows(standard.size()) +
-                               k.transpose() * alpha_;
+  Eigen::RowVectorXd y = trend_.row(0) +
+                         standard.transpose() * trend_.bottomRows(standard.size()) +
+                         k.transpose() * alpha_;
+  if (guess.size() > 0) y += to_logarithms(guess.transpose());
   const Eigen::VectorXd v = factor_.matrixL().solve(k);
   const double variance = std::max(1 + kernel_.noise - v.squaredNorm(), 0.0);
-  return {to_travel(y).transpose(), calibration_ * std::sqrt(variance)};
+  Curve out{to_travel(y).transpose(), {}, calibration_ * std::sqrt(variance)};
+  if (others_.size() > 0) out.others = others_mean_ + k.transpose() * others_alpha_;
+  return out;
 }
 
 }  // namespace palpate::stiffness

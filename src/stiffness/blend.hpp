@@ -7,10 +7,11 @@
 
 namespace palpate::stiffness {
 
-/// A row of inputs per site: `shape` numbers (comparable units) and the position in tool radii.
+/// A row of inputs per site.
 struct BlendInputs {
-  Eigen::MatrixXd shape;     ///< n x s
-  Eigen::MatrixXd position;  ///< n x 3
+  Eigen::MatrixXd shape;     ///< n x s numbers of comparable units
+  Eigen::MatrixXd position;  ///< n x 3, in tool radii
+  Eigen::MatrixXd guess;     ///< n x loads, a rough curve, rows ascending, > 0; or 0 x 0: none
 };
 /// Length scales of the kernel and the share of the variance that it cannot explain.
 struct BlendKernel {
@@ -20,18 +21,22 @@ struct BlendKernel {
   double noise = 1e-4;          ///< [-] of the variance
 };
 
-/// Learns ln u_1 and ln(u_i - u_(i-1)) of the sites, so that a blended curve ascends. The kernel is
-/// chosen by the leave-one-out error. Deterministic.
+/// Learns ln u_1 and ln(u_i - u_(i-1)) of the sites, or how far these are from the guess', so that a
+/// blended curve ascends. The kernel is chosen by the leave-one-out error. Deterministic.
 class CurveBlend {
  public:
   /// @param travel  n x loads [mm], rows ascending, > 0; n >= 2
-  CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel);
+  /// @param others  n x any: further numbers carried along with the same kernel
+  CurveBlend(BlendInputs sites, const Eigen::MatrixXd& travel, const Eigen::MatrixXd& others = {});
 
   struct Curve {
     Eigen::VectorXd travel;  ///< [mm]
-    double error = 0;        ///< [-] estimated relative error (one standard deviation over loads)
+    Eigen::VectorXd others;
+    double error = 0;  ///< [-] estimated relative error (one standard deviation over loads)
   };
-  [[nodiscard]] Curve at(const Eigen::VectorXd& shape, const Eigen::Vector3d& position) const;
+  /// @param guess  as in the inputs; of size 0 where these had none
+  [[nodiscard]] Curve at(const Eigen::VectorXd& shape, const Eigen::Vector3d& position,
+                         const Eigen::VectorXd& guess = {}) const;
 
   /// Relative errors of leaving each site out: n x loads.
   [[nodiscard]] const Eigen::MatrixXd& left_out_errors() const { return left_out_; }
@@ -45,7 +50,9 @@ class CurveBlend {
   void choose_kernel();
 
   BlendInputs sites_;
-  Eigen::MatrixXd travel_, target_;                    // target: logarithms minus trend
+  Eigen::MatrixXd travel_, target_;  // target: logarithms minus the guess' and minus trend
+  Eigen::MatrixXd others_, others_alpha_;              // minus their means
+  Eigen::RowVectorXd others_mean_;
   Eigen::VectorXd mean_, inverse_deviation_, weight_;  // of the shape numbers
   Eigen::MatrixXd trend_;                              // (1 + s) x loads
   BlendKernel kernel_;

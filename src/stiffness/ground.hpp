@@ -7,20 +7,36 @@
 #include <algorithm>
 #include <atomic>
 
-#include "stiffness/patch.hpp"
+#include "stiffness/checkpoint.hpp"
+#include "stiffness/site_features.hpp"
 #include "stiffness/sweep.hpp"
 
 namespace palpate::stiffness {
+
+/// A place that can be pressed. Coinciding vertices share one.
+struct Spot {
+  SiteFrame frame;
+  SkinRegion region = SkinRegion::other;
+  VertexStatus status = VertexStatus::no_bone;  ///< `blended` where there is tissue to press
+  double depth = 0;                             ///< [mm]; NaN where no bone
+  Eigen::VectorXd shape;                        ///< SiteFeatures::shape; empty without tissue
+};
 
 struct Ground {
   const HeadSurface& head;
   const SweepOptions& options;
   surface::SurfaceQuery skin, bone;
   SamplingLimits limits;
-  std::vector<SiteFrame> frames;  ///< one per point of the skin, normals smoothed over the tool
-  std::vector<double> forces;     ///< [N] ascending
+  Flesh flesh;
+  std::vector<double> forces;          ///< [N] ascending
+  std::vector<Spot> spots;             ///< in the order of first appearance
+  std::vector<std::int32_t> spot_of;   ///< per point asked for
 
-  Ground(const HeadSurface& head, const SkullFit& skull, const SweepOptions& options);
+  /// Step 1 of the sweep: looks around every point.
+  Ground(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
+         const SweepOptions& options, const Progress& progress);
+  /// Of everything that a curve depends on.
+  [[nodiscard]] std::uint64_t fingerprint() const;
 };
 
 /// Runs body(i) for i in [0, n) on the asked number of threads; tells `progress` fractions between

@@ -20,13 +20,17 @@ struct Sampler {
     return frame.origin + frame.axes * Vec3(c.x, c.y, z);
   }
 
-  /// Height of the skin over column c within `reach` of `near`; nothing where it is not seen from
-  /// outside there.
-  std::optional<double> skin_height(const Column& c, double near, double reach) const {
+  struct Seen {
+    double height;
+    SkinSpot spot;
+  };
+  /// The skin over column c within `reach` of `near`; nothing where it is not seen from outside
+  /// there.
+  std::optional<Seen> see_skin(const Column& c, double near, double reach) const {
     const double top = near + reach + kAboveSkin;
     const auto hit = skin.cast(world(c, top), -frame.normal(), 2 * (reach + kAboveSkin));
     if (!hit || !faces_out(hit->triangle)) return std::nullopt;
-    return top - hit->distance;
+    return Seen{top - hit->distance, {hit->triangle, hit->barycentric}};
   }
 
   bool faces_out(std::int32_t triangle) const {
@@ -71,8 +75,9 @@ PatchGeometry sample_patch(std::span<const Column> columns, double near_radius,
     const Column& c = columns[i];
     const double near = i == 0 ? 0 : g.height[c.inner];
     const double step = i == 0 ? 1 : std::hypot(c.x - columns[c.inner].x, c.y - columns[c.inner].y);
-    const auto seen = sampler.skin_height(c, near, limits.skin_slope * step);
-    const double height = seen ? *seen : sampler.bound(c, near, limits.skin_slope * step);
+    const auto seen = sampler.see_skin(c, near, limits.skin_slope * step);
+    const double height = seen ? seen->height : sampler.bound(c, near, limits.skin_slope * step);
+    g.spot.push_back(seen ? seen->spot : i > 0 ? g.spot[c.inner] : SkinSpot{});
     if (!seen) ++(std::hypot(c.x, c.y) <= near_radius ? g.bent : g.bent_far);
 
     double depth = sampler.bone_depth(c, height);
@@ -87,7 +92,8 @@ PatchGeometry sample_patch(std::span<const Column> columns, double near_radius,
   return g;
 }
 
-std::vector<Vec3> patch_nodes(const PatchTemplate& t, const PatchGeometry& g, double first_layer) {
+std::vector<Vec3> patch_nodes(const PatchTemplate& t, const PatchGeometry& g, double first_layer,
+                              std::span<const double> levels) {
   const int layers = t.rule.layers;
   std::vector<Vec3> nodes;
   nodes.reserve(t.topology.free_node.size());
@@ -97,8 +103,9 @@ std::vector<Vec3> patch_nodes(const PatchTemplate& t, const PatchGeometry& g, do
     if (layers > 1 && g.thickness[c] > layers * first_layer)
       p = std::min(std::log(g.thickness[c] / first_layer) / std::log(layers), kSteepestGrading);
     for (int level = 0; level <= layers; ++level) {
-      const double depth = g.thickness[c] * std::pow(static_cast<double>(level) / layers, p);
-      nodes.push_back({t.columns[c].x, t.columns[c].y, g.height[c] - depth});
+      const double share =
+          levels.empty() ? std::pow(static_cast<double>(level) / layers, p) : levels[level];
+      nodes.push_back({t.columns[c].x, t.columns[c].y, g.height[c] - g.thickness[c] * share});
     }
   }
   for (const auto& [a, b] : t.edges) nodes.push_back(0.5 * (nodes[a] + nodes[b]));

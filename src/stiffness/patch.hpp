@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // One site's tissue on the shared template: where skin and bone lie under each column.
 #pragma once
+#include <span>
+
 #include "stiffness/patch_template.hpp"
 #include "surface/query.hpp"
 
@@ -15,10 +17,17 @@ struct SiteFrame {
 /// e1 is the direction nearest to the head's +y (or +z where the normal is within 25 degrees of y).
 [[nodiscard]] SiteFrame site_frame(const Vec3& origin, const Vec3& outward_normal);
 
+/// Where on the working skin a column starts.
+struct SkinSpot {
+  std::int32_t triangle = -1;  ///< -1: nowhere, the column's top was bounded
+  Vec3 barycentric = Vec3::Zero();
+};
 /// Skin and bone over the tangent plane, column by column.
 struct PatchGeometry {
   std::vector<double> height;     ///< [mm] of the skin over the tangent plane, along the normal
   std::vector<double> thickness;  ///< [mm] > 0, from the skin down the inward normal to the bone
+  /// Where each column's top lies; that of the inner neighbour where the skin was not seen.
+  std::vector<SkinSpot> spot;
   int bent = 0;      ///< columns within the touch radius where the skin is no height field
   int bent_far = 0;  ///< the same beyond it
   int boneless = 0;  ///< columns without bone within reach; held at `no_bone_beyond`
@@ -41,7 +50,9 @@ struct SamplingLimits {
 
 /// Rest positions [mm] in the site's frame (origin at the site, +z outward) of all nodes of the
 /// quadratic mesh. Layers below the first thicken with depth where the tissue is thick.
+/// @param levels  depth fractions of the levels, 0 to 1; empty: graded by `first_layer` [mm]
 [[nodiscard]] std::vector<Vec3> patch_nodes(const PatchTemplate& t, const PatchGeometry& geometry,
-                                            double first_layer);
+                                            double first_layer,
+                                            std::span<const double> levels = {});
 
 }  // namespace palpate::stiffness

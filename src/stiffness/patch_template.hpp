@@ -40,6 +40,8 @@ struct PatchTemplate {
   [[nodiscard]] int corner(int column, int level) const {
     return column * (rule.layers + 1) + level;
   }
+  /// Element layer of a tetrahedron, 0 right under the skin.
+  [[nodiscard]] int element_layer(int tet) const { return tet / 3 % rule.layers; }
   [[nodiscard]] int corners() const { return static_cast<int>(columns.size()) * (rule.layers + 1); }
 };
 /// Columns of a disk: the middle, then ring by ring.

@@ -5,10 +5,9 @@
 
 #include <algorithm>
 #include <array>
-#include <numeric>
+#include <cmath>
 
 #include "fem/lanes/batch.hpp"
-#include "stiffness/site_features.hpp"
 
 namespace palpate::stiffness {
 namespace {
@@ -19,11 +18,29 @@ constexpr double kDomainPerTool = 5.4;
 constexpr double kThickPerTool = 1.5;  // [-] of the tool's radius: deeper tissue has three layers
 constexpr double kFirstLayerShare = 0.31;  // [-] of the tool's radius: thickest top layer
 
-/// One template with what is shared by all threads, and the sites that use it.
+/// A few wide rings on one element layer: a tenth of the default patch's work. Its travel is some
+/// per cent off, but off alike at like places (docs/method/sweep.md).
+PatchRule coarse_rule(double tool_radius) {
+  PatchRule rule;
+  rule.rings = {{0.375 * tool_radius, 6},
+                {0.875 * tool_radius, 8},
+                {1.625 * tool_radius, 8},
+                {3.0 * tool_radius, 8},
+                {kDomainPerTool * tool_radius, 6}};
+  rule.layers = 1;
+  rule.touch_radius = 1.65 * tool_radius;
+  rule.hold_rim = false;
+  return rule;
+}
+
+/// One template with what is shared by all threads.
 struct Kind {
   PatchTemplate tissue;
   fem::lanes::Plan plan;
-  std::vector<int> members;  // positions in `sites`, by depth: like sites converge alike
+  std::vector<double> levels;
+  std::vector<std::vector<std::int32_t>> rings;
+  std::vector<std::int32_t> members;  // sites to solve, by depth: like sites converge alike
+  std::vector<double> forces;
 
   explicit Kind(const PatchRule& rule)
       : tissue(make_template(rule)), plan(fem::lanes::make_plan(tissue.topology)) {}
@@ -32,34 +49,25 @@ struct Kind {
   }
 };
 
-/// A tool that is pressed harder goes deeper; an equilibrium on another branch is no curve.
-bool deepens(std::span<const double> travel) {
-  double last = 0;
-  for (const double u : travel) {
-    if (!(u > last)) return false;
-    last = u;
-  }
-  return !travel.empty();
-}
-
 class Presser {
  public:
-  Presser(const Ground& ground, std::span<const std::int32_t> sites, std::span<const double> depth)
+  Presser(const Ground& ground, SolveLevel level, Checkpoint& store)
       : ground_(ground),
-        sites_(sites),
-        moduli_(fem::lame_moduli(ground.options.youngs_modulus, ground.options.poissons_ratio)),
-        tool_{radius(), fem::default_penalty(ground.options.youngs_modulus, radius())},
-        kinds_{Kind(rule_for_depth(0, radius())), Kind(rule_for_depth(1e9, radius()))} {
-    std::vector<int> order(sites.size());
-    std::iota(order.begin(), order.end(), 0);
-    std::stable_sort(order.begin(), order.end(),
-                     [&](int a, int b) { return depth[sites[a]] < depth[sites[b]]; });
-    for (const int i : order)
-      kinds_[depth[sites[i]] > kThickPerTool * radius()].members.push_back(i);
-    result_.curves.resize(sites.size());
-  }
+        level_(level),
+        store_(store),
+        batched_(ground.flesh.neo_hookean_only()),
+        kinds_{make_kind(false), make_kind(true)} {}
 
-  PressedSites run(const Progress& progress, double from, double to) {
+  void run(std::span<const std::int32_t> sites, const Shard& shard, const Progress& progress,
+           double from, double to) {
+    std::vector<std::int32_t> order(sites.begin(), sites.end());
+    std::stable_sort(order.begin(), order.end(), [&](std::int32_t a, std::int32_t b) {
+      return ground_.spots[a].depth < ground_.spots[b].depth;
+    });
+    for (std::size_t i = 0; i < order.size(); ++i) {
+      if (static_cast<int>(i / fem::lanes::kLanes % shard.count) != shard.index) continue;
+      if (!store_.find(level_, order[i])) kinds_[is_thick(order[i])].members.push_back(order[i]);
+    }
     const int thin = kinds_[0].batches();
     parallel(thin + kinds_[1].batches(), ground_.options, progress, from, to, [&](int b) {
       if (b < thin)
@@ -67,67 +75,86 @@ class Presser {
       else
         press_batch(kinds_[1], b - thin, workspaces_[1].local());
     });
-    result_.clamped = clamped_;
-    result_.in_double = in_double_;
-    return std::move(result_);
   }
 
  private:
   using Workspace = std::unique_ptr<fem::lanes::BatchPress>;
 
   double radius() const { return ground_.options.tool_radius; }
+  bool is_thick(std::int32_t site) const {
+    return ground_.spots[site].depth > kThickPerTool * radius();
+  }
+
+  Kind make_kind(bool thick) const {
+    PatchRule rule = rule_for_depth(thick ? 1e9 : 0, radius());
+    rule.layers = ground_.flesh.element_layers(thick);
+    if (level_ == SolveLevel::coarse) {
+      rule = coarse_rule(radius());
+      if (ground_.options.tissue.kind == TissueKind::layered)
+        rule.layers = ground_.flesh.element_layers(false);
+    }
+    Kind kind(rule);
+    kind.levels = ground_.flesh.levels(rule.layers);
+    kind.forces = ground_.forces;
+    if (level_ == SolveLevel::coarse) kind.forces = coarse_forces(ground_.forces);
+    if (level_ == SolveLevel::full) kind.rings = skin_rings(kind.tissue);
+    return kind;
+  }
 
   void press_batch(const Kind& kind, int batch, Workspace& workspace) {
+    const int first = batch * fem::lanes::kLanes;
+    const int count = std::min(fem::lanes::kLanes, static_cast<int>(kind.members.size()) - first);
+    const auto sites = std::span(kind.members).subspan(first, count);
+    std::vector<fem::lanes::BatchPatch> patches;
+    std::vector<PatchGeometry> geometry;
+    for (const std::int32_t site : sites) {
+      const PatchGeometry g =
+          sample_patch(kind.tissue.columns, radius(), ground_.spots[site].frame, ground_.skin,
+                       ground_.bone, ground_.limits);
+      patches.push_back(
+          {patch_nodes(kind.tissue, g, first_layer(radius()), kind.levels),
+           ground_.flesh.moduli(kind.tissue, g),
+           fem::default_penalty(ground_.flesh.surface_modulus(g), radius())});
+      geometry.push_back(g);
+    }
+    std::vector<SiteCurve> curves(count);
+    if (batched_) curves = press_lanes(kind, patches, workspace);
+    for (int i = 0; i < count; ++i)
+      if (curves[i].travel.empty() && (level_ == SolveLevel::full || !batched_))
+        curves[i] = press_in_double(kind, patches[i], geometry[i]);
+    store_.put(level_, sites, curves);
+  }
+
+  std::vector<SiteCurve> press_lanes(const Kind& kind,
+                                     std::span<const fem::lanes::BatchPatch> patches,
+                                     Workspace& workspace) const {
     if (!workspace)
       workspace = std::make_unique<fem::lanes::BatchPress>(kind.tissue.topology, kind.plan,
                                                            fem::lanes::best_instruction_set());
-    const int first = batch * fem::lanes::kLanes;
-    const int count = std::min(fem::lanes::kLanes, static_cast<int>(kind.members.size()) - first);
-    std::vector<std::vector<Vec3>> patches;
-    for (int i = 0; i < count; ++i) {
-      const PatchGeometry g = sample_patch(kind.tissue.columns, radius(),
-                                           ground_.frames[sites_[kind.members[first + i]]],
-                                           ground_.skin, ground_.bone, ground_.limits);
-      if (g.bent > 0) ++clamped_;
-      patches.push_back(patch_nodes(kind.tissue, g, kFirstLayerShare * radius()));
-    }
-    const auto lanes =
-        workspace->press(patches, moduli_, {tool_.radius, tool_.penalty}, ground_.forces);
-    for (int i = 0; i < count; ++i) {
-      SiteCurve& curve = result_.curves[kind.members[first + i]];
-      curve = {lanes[i].travel, lanes[i].iterations, lanes[i].shifts, 0};
-      if (!deepens(curve.travel)) curve = press_in_double(kind, patches[i]);
-      if (!deepens(curve.travel)) curve.travel.clear();
-    }
+    std::vector<SiteCurve> curves;
+    for (fem::lanes::LaneCurve& lane :
+         workspace->press(patches, radius(), kind.forces, kind.rings))
+      curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch,
+                        lane.iterations, lane.shifts, 0});
+    return curves;
   }
 
-  SiteCurve press_in_double(const Kind& kind, const std::vector<Vec3>& nodes) {
-    ++in_double_;
+  SiteCurve press_in_double(const Kind& kind, const fem::lanes::BatchPatch& patch,
+                            const PatchGeometry& geometry) const {
     fem::Cholesky cholesky(kind.tissue.topology.pattern);
-    return press_site(kind.tissue, nodes, fem::neo_hookean(moduli_), tool_, ground_.forces,
-                      cholesky);
+    return press_site(kind.tissue, patch.nodes, ground_.flesh.laws(kind.tissue, geometry),
+                      {radius(), patch.penalty}, kind.forces, cholesky);
   }
 
   const Ground& ground_;
-  std::span<const std::int32_t> sites_;
-  fem::LameModuli moduli_;
-  Tool tool_;
+  SolveLevel level_;
+  Checkpoint& store_;
+  bool batched_;
   std::array<Kind, 2> kinds_;
   std::array<tbb::enumerable_thread_specific<Workspace>, 2> workspaces_;
-  PressedSites result_;
-  std::atomic<int> clamped_ = 0, in_double_ = 0;
 };
 
 }  // namespace
-
-Ground::Ground(const HeadSurface& h, const SkullFit& skull, const SweepOptions& o)
-    : head(h), options(o), skin(h.skin), bone(skull.mesh) {
-  limits.no_bone_beyond = o.no_bone_beyond;
-  const std::vector<Vec3> normals = smoothed_normals(h.skin, o.tool_radius);
-  for (std::size_t p = 0; p < normals.size(); ++p)
-    frames.push_back(site_frame(h.skin.points[p], normals[p]));
-  for (int i = 1; i <= o.loads; ++i) forces.push_back(o.max_force * i / o.loads);
-}
 
 PatchRule rule_for_depth(double depth, double tool_radius) {
   const int layers = depth > kThickPerTool * tool_radius ? 3 : 2;
@@ -136,10 +163,24 @@ PatchRule rule_for_depth(double depth, double tool_radius) {
   return rule;
 }
 
-PressedSites press_sites(const Ground& ground, std::span<const std::int32_t> sites,
-                         std::span<const double> depth, const Progress& progress, double from,
-                         double to) {
-  return Presser(ground, sites, depth).run(progress, from, to);
+double first_layer(double tool_radius) {
+  return kFirstLayerShare * tool_radius;
+}
+
+std::vector<double> coarse_forces(std::span<const double> forces) {
+  std::vector<double> out;
+  for (const double share : {0.0, 0.4, 1.0}) {
+    const auto at = static_cast<std::size_t>(
+        std::max(std::ceil(share * static_cast<double>(forces.size())) - 1, 0.0));
+    if (out.empty() || forces[at] > out.back()) out.push_back(forces[at]);
+  }
+  return out;
+}
+
+void press_sites(const Ground& ground, SolveLevel level, std::span<const std::int32_t> sites,
+                 const Shard& shard, Checkpoint& store, const Progress& progress, double from,
+                 double to) {
+  if (!sites.empty()) Presser(ground, level, store).run(sites, shard, progress, from, to);
 }
 
 }  // namespace palpate::stiffness

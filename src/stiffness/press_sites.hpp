@@ -1,24 +1,29 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Full solves at many sites: batches of sixteen in single precision, stragglers in double.
+// Presses at many sites: batches of sixteen in single precision, stragglers in double.
 #pragma once
 #include "stiffness/ground.hpp"
 #include "stiffness/site.hpp"
 
 namespace palpate::stiffness {
 
-struct PressedSites {
-  std::vector<SiteCurve> curves;  ///< one per site, in order
-  int clamped = 0;                ///< sites whose skin under the tool is no height field
-  int in_double = 0;              ///< sites that single precision did not bring to an equilibrium
+/// The part of the sites that this process solves: those of every count-th batch.
+struct Shard {
+  int index = 0;  ///< 0 <= index < count
+  int count = 1;
 };
-/// @param sites  points of the skin with bone beneath
-/// @param depth  [mm] one per point of the skin
-/// @note A site's curve depends on no other site, nor on the number of threads.
-[[nodiscard]] PressedSites press_sites(const Ground& ground, std::span<const std::int32_t> sites,
-                                       std::span<const double> depth, const Progress& progress,
-                                       double from, double to);
+/// Brings the store to hold a curve of each of the sites (of the shard's, where there are shards);
+/// those that it holds already are not solved again.
+/// @param sites  numbers of spots with tissue
+/// @note A site's curve depends on no other site, nor on threads, shards or interruptions.
+void press_sites(const Ground& ground, SolveLevel level, std::span<const std::int32_t> sites,
+                 const Shard& shard, Checkpoint& store, const Progress& progress, double from,
+                 double to);
 
 /// The template that a depth asks for: two layers, or three where tissue is thick.
 [[nodiscard]] PatchRule rule_for_depth(double depth, double tool_radius);
+/// [mm] thickest top layer under a tool.
+[[nodiscard]] double first_layer(double tool_radius);
+/// Loads that a coarse press takes: first, about two fifths, last.
+[[nodiscard]] std::vector<double> coarse_forces(std::span<const double> forces);
 
 }  // namespace palpate::stiffness

@@ -2,10 +2,47 @@
 #include "stiffness/site.hpp"
 
 namespace palpate::stiffness {
+namespace {
+
+constexpr int kMostSplits = 2;  // a load that fails is approached in halves, then in quarters
+
+/// The forces with `splits` halvings of each interval, from 0.
+std::vector<double> split(std::span<const double> forces, int splits) {
+  const int parts = 1 << splits;
+  std::vector<double> out;
+  double before = 0;
+  for (const double f : forces) {
+    for (int i = 1; i <= parts; ++i) out.push_back(before + (f - before) * i / parts);
+    before = f;
+  }
+  return out;
+}
+
+void note_rings(const std::vector<std::vector<std::int32_t>>& rings, const fem::Topology& topology,
+                const Eigen::VectorXd& x, std::vector<double>& sunk) {
+  for (const std::vector<std::int32_t>& ring : rings) {
+    double sum = 0;
+    for (const std::int32_t node : ring) {
+      const int f = topology.free_node[node];
+      if (f >= 0) sum -= x[3 * f + 2];
+    }
+    sunk.push_back(sum / static_cast<double>(ring.size()));
+  }
+}
+
+}  // namespace
+
+std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t) {
+  std::vector<std::vector<std::int32_t>> rings(t.rule.rings.size() + 1);
+  for (std::size_t c = 0; c < t.columns.size(); ++c)
+    rings[t.columns[c].ring].push_back(t.corner(static_cast<int>(c), 0));
+  return rings;
+}
 
 SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                     std::shared_ptr<const fem::EnergyDensity> law, const Tool& press_tool,
-                     std::span<const double> forces, fem::Cholesky& cholesky) {
+                     std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
+                     const Tool& press_tool, std::span<const double> forces,
+                     fem::Cholesky& cholesky) {
   const Vec3 axis = -Vec3::UnitZ();
   fem::Indenter tool;
   tool.radius = press_tool.radius;
@@ -13,11 +50,23 @@ SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
   tool.axis = axis;
   tool.start = axis * fem::first_contact(t.topology.contact_faces, t.topology.order, nodes,
                                          Vec3::Zero(), axis, tool.radius);
-  const fem::ElasticBody body(t.topology, nodes, std::move(law));
+  const fem::ElasticBody body(t.topology, nodes, std::move(laws));
   const fem::Contact contact(t.topology, nodes, tool);
-  const fem::PressCurve curve = fem::press(body, contact, forces, cholesky);
-  SiteCurve out{{}, curve.iterations, curve.projections, curve.residual};
-  if (curve.complete) out.travel = curve.travel;
+  const auto rings = skin_rings(t);
+  SiteCurve out;
+  out.method = SolveMethod::in_double;
+  for (int splits = 0; splits <= kMostSplits && out.travel.empty(); ++splits) {
+    const fem::PressCurve curve = fem::press(body, contact, split(forces, splits), cholesky);
+    out.iterations += curve.iterations;
+    out.projections += curve.projections;
+    out.residual = curve.residual;
+    if (!curve.complete) continue;
+    const std::size_t parts = std::size_t{1} << splits;
+    for (std::size_t i = parts - 1; i < curve.travel.size(); i += parts) {
+      out.travel.push_back(curve.travel[i]);
+      note_rings(rings, t.topology, curve.states[i], out.sunk);
+    }
+  }
   return out;
 }
 

@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 
+#include "core/stiffness_map.hpp"
 #include "fem/press.hpp"
 #include "stiffness/patch.hpp"
 
@@ -10,7 +11,9 @@ namespace palpate::stiffness {
 
 struct SiteCurve {
   std::vector<double> travel;  ///< [mm] one per load; empty where a load did not converge
-  int iterations = 0;          ///< Newton steps over all loads
+  std::vector<double> sunk;    ///< [mm] loads x dent rings: mean way down of the skin there
+  SolveMethod method = SolveMethod::none;
+  int iterations = 0;  ///< Newton steps over all loads
   int projections = 0;
   double residual = 0;  ///< [N] of the last load tried
 };
@@ -19,10 +22,15 @@ struct Tool {
   double penalty = 5;  ///< [MPa/mm] fem::default_penalty
 };
 /// Sphere from first geometric contact down the patch's axis.
+/// @param laws      one for all tetrahedra, or one each
 /// @param forces    [N] ascending
 /// @param cholesky  analysed for the template's topology; one per thread
 [[nodiscard]] SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                                   std::shared_ptr<const fem::EnergyDensity> law, const Tool& tool,
-                                   std::span<const double> forces, fem::Cholesky& cholesky);
+                                   std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
+                                   const Tool& tool, std::span<const double> forces,
+                                   fem::Cholesky& cholesky);
+
+/// Corner nodes of the skin ring by ring, the middle first: where dents are measured.
+[[nodiscard]] std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t);
 
 }  // namespace palpate::stiffness

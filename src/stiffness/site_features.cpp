@@ -38,31 +38,73 @@ struct Harmonics {
 
 }  // namespace
 
-std::vector<Vec3> smoothed_normals(const SurfaceMesh& skin, double radius) {
-  const auto around = triangles_of_points(skin);
-  const std::vector<Vec3> point_normals = vertex_normals(skin);
-  std::vector<Vec3> area_normal, center;
-  for (const Triangle& t : skin.triangles) {
-    const Vec3 &a = skin.points[t[0]], &b = skin.points[t[1]], &c = skin.points[t[2]];
-    area_normal.push_back(0.5 * (b - a).cross(c - a));
-    center.push_back((a + b + c) / 3);
-  }
-  std::vector<Vec3> out(skin.points.size());
-  std::vector<std::int32_t> seen(skin.triangles.size(), -1), queue;
-  for (std::size_t p = 0; p < skin.points.size(); ++p) {
-    const auto mark = static_cast<std::int32_t>(p);
-    queue = around[p];
-    for (const std::int32_t t : queue) seen[t] = mark;
-    Vec3 sum = 1e-9 * point_normals[p];
-    for (std::size_t i = 0; i < queue.size(); ++i) {
-      const double q = 1 - (center[queue[i]] - skin.points[p]).squaredNorm() / (radius * radius);
-      if (q <= 0) continue;
-      sum += q * q * area_normal[queue[i]];
-      for (const std::int32_t v : skin.triangles[queue[i]])
-        for (const std::int32_t t : around[v])
-          if (seen[t] != mark) seen[t] = mark, queue.push_back(t);
+namespace {
+/// Triangles connected to a point within a radius, with their smooth weights.
+class SkinDisk {
+ public:
+  SkinDisk(const SurfaceMesh& skin, double radius)
+      : skin_(skin),
+        around_(triangles_of_points(skin)),
+        seen_(skin.triangles.size(), -1),
+        radius_(radius) {
+    for (const Triangle& t : skin.triangles) {
+      const Vec3 &a = skin.points[t[0]], &b = skin.points[t[1]], &c = skin.points[t[2]];
+      area_normal.push_back(0.5 * (b - a).cross(c - a));
+      center_.push_back((a + b + c) / 3);
     }
+  }
+  /// visit(triangle, weight) with weight (1 - (r/radius)^2)^2, without the area.
+  template <class Visit>
+  void around(std::size_t point, const Visit& visit) {
+    const auto mark = static_cast<std::int32_t>(point);
+    queue_ = around_[point];
+    for (const std::int32_t t : queue_) seen_[t] = mark;
+    for (std::size_t i = 0; i < queue_.size(); ++i) {
+      const std::int32_t now = queue_[i];
+      const double q =
+          1 - (center_[now] - skin_.points[point]).squaredNorm() / (radius_ * radius_);
+      if (q <= 0) continue;
+      visit(now, q * q);
+      for (const std::int32_t v : skin_.triangles[now])
+        for (const std::int32_t t : around_[v])
+          if (seen_[t] != mark) seen_[t] = mark, queue_.push_back(t);
+    }
+  }
+  std::vector<Vec3> area_normal;  ///< [mm^2] per triangle
+
+ private:
+  const SurfaceMesh& skin_;
+  std::vector<std::vector<std::int32_t>> around_;
+  std::vector<Vec3> center_;
+  std::vector<std::int32_t> seen_, queue_;
+  double radius_;
+};
+}  // namespace
+
+std::vector<Vec3> smoothed_normals(const SurfaceMesh& skin, double radius) {
+  SkinDisk disk(skin, radius);
+  std::vector<Vec3> out = vertex_normals(skin);
+  for (std::size_t p = 0; p < skin.points.size(); ++p) {
+    Vec3 sum = 1e-9 * out[p];
+    disk.around(p, [&](std::int32_t t, double weight) { sum += weight * disk.area_normal[t]; });
     out[p] = sum.normalized();
+  }
+  return out;
+}
+
+std::vector<double> smoothed_over_skin(const SurfaceMesh& skin, std::span<const double> value,
+                                       double radius) {
+  SkinDisk disk(skin, radius);
+  std::vector<double> out(value.begin(), value.end());
+  for (std::size_t p = 0; p < skin.points.size(); ++p) {
+    double sum = 1e-9 * value[p], weights = 1e-9;
+    disk.around(p, [&](std::int32_t t, double weight) {
+      const Triangle& v = skin.triangles[t];
+      const double w = weight * disk.area_normal[t].norm();
+      sum += w * (value[v[0]] + value[v[1]] + value[v[2]]) / 3;
+      weights += w;
+    });
+    out[p] = sum / weights;
   }
   return out;
 }

@@ -2,6 +2,7 @@
 // What a skin point's surroundings look like to the tool: the ground on which curves are blended.
 #pragma once
 #include <optional>
+#include <span>
 
 #include "core/head_surface.hpp"
 #include "core/progress.hpp"
@@ -12,6 +13,10 @@ namespace palpate::stiffness {
 /// Unit normals averaged over the skin connected to each point within `radius` [mm], weights
 /// area * (1 - (r/radius)^2)^2: remeshing noise does not tilt the press axis.
 [[nodiscard]] std::vector<Vec3> smoothed_normals(const SurfaceMesh& skin, double radius);
+
+/// The same average of a number per point.
+[[nodiscard]] std::vector<double> smoothed_over_skin(const SurfaceMesh& skin,
+                                                     std::span<const double> value, double radius);
 
 /// Dimensionless numbers, comparable in size, invariant to a turn of the head.
 struct SiteFeatures {

@@ -26,4 +26,26 @@ std::vector<std::int32_t> farthest_points(const Eigen::MatrixXd& inputs, int cou
   return chosen;
 }
 
+std::vector<std::int32_t> choose_sites(const Ground& ground,
+                                       const std::vector<std::int32_t>& tissue, int count) {
+  if (count >= static_cast<int>(tissue.size())) return tissue;
+  // What moves the curve most counts most: depths and curvatures in full, their unevenness around
+  // the site less; position in addition, so that no part of the head is left without a site.
+  constexpr double kUnevenness = 0.3;  // [-]
+  constexpr double kPosition = 0.35;   // [-] per tool radius; more spreads sites evenly in space
+  const Eigen::Index s = ground.spots[tissue[0]].shape.size();
+  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Ones(s);
+  for (Eigen::Index r = 1; r < s; r += 5)
+    weight[r + 1] = weight[r + 2] = weight[r + 4] = kUnevenness;
+  Eigen::MatrixXd inputs(tissue.size(), s + 3);
+  for (std::size_t i = 0; i < tissue.size(); ++i) {
+    const Spot& spot = ground.spots[tissue[i]];
+    inputs.row(i).head(s) = spot.shape.transpose().cwiseProduct(weight);
+    inputs.row(i).tail(3) = kPosition / ground.options.tool_radius * spot.frame.origin;
+  }
+  std::vector<std::int32_t> sites = farthest_points(inputs, count, ground.options.seed);
+  for (std::int32_t& i : sites) i = tissue[i];
+  return sites;
+}
+
 }  // namespace palpate::stiffness

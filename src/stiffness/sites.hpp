@@ -5,6 +5,8 @@
 #include <cstdint>
 #include <vector>
 
+#include "stiffness/ground.hpp"
+
 namespace palpate::stiffness {
 
 /// Farthest-point sampling of the rows of `inputs`: the first is drawn with `seed`, each next one
@@ -13,5 +15,11 @@ namespace palpate::stiffness {
 /// @note O(count * rows * columns); deterministic.
 [[nodiscard]] std::vector<std::int32_t> farthest_points(const Eigen::MatrixXd& inputs, int count,
                                                         std::uint64_t seed);
+
+/// `count` of the spots with tissue, spread over what the tool sees and over the head; all of them,
+/// in order, where there are no more.
+[[nodiscard]] std::vector<std::int32_t> choose_sites(const Ground& ground,
+                                                     const std::vector<std::int32_t>& tissue,
+                                                     int count);
 
 }  // namespace palpate::stiffness

@@ -1,8 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// 1. Look around every point: normal, depth, features, status.
+// 1. Look around every point: normal, depth, features, status (ground.cpp).
 // 2. Choose sites by farthest-point sampling of the features.
-// 3. Press each site in full on its local patch.
-// 4. Learn the curves from the features; carry them to all other points with an error estimate.
+// 3. Press everything coarsely, the sites in full (press_sites.cpp); both go through the checkpoint.
+// 4. Learn the full curves from the coarse ones (surrogate.cpp); press in full where the predicted
+//    error is above the bound.
 #include "stiffness/sweep.hpp"
 
 #include <fmt/format.h>
@@ -11,10 +12,9 @@
 #include <cmath>
 #include <limits>
 
-#include "stiffness/blend.hpp"
 #include "stiffness/press_sites.hpp"
-#include "stiffness/site_features.hpp"
 #include "stiffness/sites.hpp"
+#include "stiffness/surrogate.hpp"
 
 namespace palpate::stiffness {
 namespace {
@@ -23,175 +23,244 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // [-] The default patch against refined ones, 3 to 25 mm of tissue, 0.5 to 5 N
 // (docs/method/sweep.md).
 constexpr double kDiscretisationError = 0.02;
-void check(const HeadSurface& head, const SkullFit& skull, const SweepOptions& o) {
+constexpr int kFastSites = 300;  // more halves the error only at four times as many
+constexpr double kToolPerHead = 0.25;  // [-] a tool above this share of the head's size feels a head
+
+void check(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
+           const SweepOptions& o) {
   if (head.skin.empty()) throw InputError("the working skin is empty; nothing to press");
   if (skull.mesh.empty()) throw InputError("the skull is empty; nothing holds the tissue");
   if (head.region.size() != head.skin.points.size())
     throw InputError("the working skin needs one region per point");
-  if (!(o.tool_radius > 0 && o.tool_radius <= 50))
-    throw InputError(fmt::format("tool radius is {} mm; it must be in (0, 50]", o.tool_radius));
+  if (points.region.size() != points.position.size())
+    throw InputError("the points to press need one region each");
+  for (std::size_t p = 0; p < points.position.size(); ++p)
+    if (!points.position[p].allFinite())
+      throw InputError(fmt::format("vertex {} has no finite position", p));
+  Eigen::AlignedBox3d box;
+  for (const Vec3& p : head.skin.points) box.extend(p);
+  if (!(o.tool_radius > 0 && o.tool_radius <= kToolPerHead * box.sizes().minCoeff()))
+    throw InputError(
+        fmt::format("tool_radius is {} mm; it must be above 0 and at most {:.0f} mm, a quarter of "
+                    "the head's smallest side",
+                    o.tool_radius, kToolPerHead * box.sizes().minCoeff()));
   if (o.loads < 1 || !(o.max_force > 0)) throw InputError("a sweep needs loads and a force > 0");
-  if (o.sites < 2) throw InputError("a sweep needs at least 2 sites");
+  if (o.sites < 0 || o.sites == 1) throw InputError("a sweep needs at least 2 sites, or 0 for all");
+  if (!(o.error_bound > 0)) throw InputError("the error bound must be > 0");
   if (!(o.no_bone_beyond > 0)) throw InputError("no_bone_beyond must be > 0");
+  if (o.shard_count < 1 || o.shard < 0 || o.shard >= o.shard_count)
+    throw InputError(fmt::format("shard {} of {} does not exist", o.shard + 1, o.shard_count));
+  check(o.tissue);
 }
 
-bool is_organ(SkinRegion r) {
-  return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
+std::unique_ptr<Checkpoint> open_store(const Ground& ground, Sweep& out) {
+  const SweepOptions& o = ground.options;
+  const std::uint64_t job = ground.fingerprint();
+  auto store = o.checkpoint.empty() ? std::make_unique<Checkpoint>()
+                                    : std::make_unique<Checkpoint>(o.checkpoint, job);
+  for (const auto& part : o.parts) store->absorb(part, job);
+  out.notes = store->damage();
+  return store;
 }
 
-/// Step 1. Fills depth and status of the map; `blended` marks a point that is to have a curve.
-std::vector<SiteFeatures> look_around(const Ground& ground, StiffnessMap& map,
-                                      const Progress& progress) {
-  const int n = static_cast<int>(map.size());
-  std::vector<SiteFeatures> features(n);
-  parallel(n, ground.options, progress, 0, 0.05, [&](int p) {
-    const SiteFrame& frame = ground.frames[p];
-    const auto found =
-        site_features(frame, ground.options.tool_radius, ground.skin, ground.bone, ground.limits);
-    if (found && !leaves_tissue(frame, found->depth, ground.skin)) {
-      features[p] = *found;
-      map.depth[p] = found->depth;
+std::vector<std::int32_t> spots_with_tissue(const Ground& ground) {
+  std::vector<std::int32_t> tissue;
+  for (std::size_t s = 0; s < ground.spots.size(); ++s)
+    if (ground.spots[s].status == VertexStatus::blended)
+      tissue.push_back(static_cast<std::int32_t>(s));
+  if (tissue.empty())
+    throw InputError(fmt::format("no point of the skin has bone within {} mm beneath it",
+                                 ground.options.no_bone_beyond));
+  return tissue;
+}
+
+/// One spot's result, however it came about.
+struct Row {
+  VertexStatus status = VertexStatus::no_bone;
+  SolveMethod method = SolveMethod::none;
+  double error = kNan;
+  std::vector<double> travel, dent;
+};
+
+Row row_of(const SiteCurve& full, std::span<const double> forces) {
+  Row row;
+  row.method = full.method;
+  row.status = full.travel.empty() ? VertexStatus::failed : VertexStatus::solved;
+  if (full.travel.empty()) return row;
+  row.error = kDiscretisationError;
+  row.travel = full.travel;
+  const std::size_t rings = full.sunk.size() / forces.size(), load = dent_load(forces);
+  for (std::size_t r = 0; r < rings; ++r)
+    row.dent.push_back(full.sunk[load * rings + r] / full.travel[load]);
+  return row;
+}
+
+/// Step 4: rows of all spots that were not pressed in full; those above the bound are, now.
+class Filler {
+ public:
+  Filler(const Ground& ground, Checkpoint& store, const std::vector<std::int32_t>& tissue,
+         Sweep& out)
+      : ground_(ground), store_(store), tissue_(tissue), out_(out), rows_(ground.spots.size()) {
+    for (std::size_t s = 0; s < rows_.size(); ++s) rows_[s].status = ground.spots[s].status;
+  }
+
+  std::vector<Row> run(const std::vector<std::int32_t>& sites, const Progress& progress) {
+    take(sites);
+    if (sites.size() < tissue_.size()) {
+      const std::vector<std::int32_t> promoted = learn(sites, progress);
+      press_sites(ground_, SolveLevel::full, promoted, {}, store_, progress, 0.97, 1);
+      take(promoted);
+      out_.statistics["sites_promoted"] = static_cast<double>(promoted.size());
     }
-    const SkinRegion region = map.region[p];
-    if (is_organ(region))
-      map.status[p] = VertexStatus::held;
-    else if (std::isnan(map.depth[p]) || region == SkinRegion::ear)
-      map.status[p] = VertexStatus::no_bone;
-    else
-      map.status[p] = VertexStatus::blended;
-  });
-  return features;
-}
-
-/// Step 2. What moves the curve most counts most: depths and curvatures in full, their unevenness
-/// around the site less; position in addition, so that no part of the head is left without a site.
-std::vector<std::int32_t> choose_sites(const Ground& ground, const StiffnessMap& map,
-                                       const std::vector<SiteFeatures>& features) {
-  constexpr double kUnevenness = 0.3;  // [-]
-  constexpr double kPosition = 0.35;   // [-] per tool radius; more spreads sites evenly in space
-  std::vector<std::int32_t> candidates;
-  for (std::size_t p = 0; p < map.size(); ++p)
-    if (map.status[p] == VertexStatus::blended) candidates.push_back(static_cast<int>(p));
-  if (candidates.empty()) return {};
-  const Eigen::Index s = features[candidates[0]].shape.size();
-  Eigen::RowVectorXd weight = Eigen::RowVectorXd::Ones(s);
-  for (Eigen::Index r = 1; r < s; r += 5)
-    weight[r + 1] = weight[r + 2] = weight[r + 4] = kUnevenness;
-  Eigen::MatrixXd inputs(candidates.size(), s + 3);
-  for (std::size_t i = 0; i < candidates.size(); ++i) {
-    inputs.row(i).head(s) = features[candidates[i]].shape.transpose().cwiseProduct(weight);
-    inputs.row(i).tail(3) =
-        kPosition / ground.options.tool_radius * ground.head.skin.points[candidates[i]];
+    return std::move(rows_);
   }
-  std::vector<std::int32_t> sites =
-      farthest_points(inputs, ground.options.sites, ground.options.seed);
-  for (std::int32_t& i : sites) i = candidates[i];
-  return sites;
-}
 
-void store(StiffnessMap& map, std::size_t p, const Eigen::VectorXd& travel, double error) {
-  std::copy(travel.begin(), travel.end(), map.displacement.begin() + p * map.forces.size());
-  map.error[p] = error;
-}
-
-/// Step 4. The learned curves on all points that have none yet.
-void blend(const Ground& ground, const std::vector<SiteFeatures>& features,
-           const PressedSites& solved, Sweep& out, const Progress& progress) {
-  const double per_radius = 1 / ground.options.tool_radius;
-  std::vector<std::size_t> good;
-  for (std::size_t i = 0; i < out.sites.size(); ++i)
-    if (!solved.curves[i].travel.empty()) good.push_back(i);
-  const auto n = static_cast<Eigen::Index>(good.size());
-  if (n < 2) throw SolveError("fewer than two sites were solved; no map can be made");
-  BlendInputs inputs{Eigen::MatrixXd(n, features[out.sites[0]].shape.size()),
-                     Eigen::MatrixXd(n, 3)};
-  Eigen::MatrixXd travel(n, static_cast<Eigen::Index>(ground.forces.size()));
-  for (Eigen::Index i = 0; i < n; ++i) {
-    const std::int32_t p = out.sites[good[i]];
-    inputs.shape.row(i) = features[p].shape;
-    inputs.position.row(i) = per_radius * ground.head.skin.points[p];
-    travel.row(i) =
-        Eigen::Map<const Eigen::VectorXd>(solved.curves[good[i]].travel.data(), travel.cols());
+ private:
+  void take(const std::vector<std::int32_t>& sites) {
+    for (const std::int32_t s : sites)
+      rows_[s] = row_of(*store_.find(SolveLevel::full, s), ground_.forces);
   }
-  const CurveBlend learned(std::move(inputs), travel);
-  parallel(static_cast<int>(out.map.size()), ground.options, progress, 0.96, 1, [&](int p) {
-    if (out.map.status[p] != VertexStatus::blended) return;
-    const auto curve = learned.at(features[p].shape, per_radius * ground.head.skin.points[p]);
-    store(out.map, p, curve.travel, std::hypot(curve.error, kDiscretisationError));
-  });
 
-  std::vector<double> miss(learned.left_out_errors().size());
-  std::transform(learned.left_out_errors().data(), learned.left_out_errors().data() + miss.size(),
-                 miss.begin(), [](double e) { return std::abs(e); });
-  std::sort(miss.begin(), miss.end());
-  out.statistics["blend_left_out_error_median"] = miss[miss.size() / 2];
-  out.statistics["blend_left_out_error_p95"] = miss[miss.size() * 95 / 100];
-  out.statistics["blend_left_out_error_max"] = miss.back();
-}
+  /// Returns the spots that want a full press, in order.
+  std::vector<std::int32_t> learn(const std::vector<std::int32_t>& sites,
+                                  const Progress& progress) {
+    const Surrogate surrogate(ground_, store_, sites);
+    const bool promote = ground_.options.mode == SweepMode::fast;
+    std::vector<std::uint8_t> wanted(ground_.spots.size(), 0);
+    std::vector<std::int32_t> rest;
+    for (const std::int32_t s : tissue_)
+      if (rows_[s].method == SolveMethod::none) rest.push_back(s);
+    parallel(static_cast<int>(rest.size()), ground_.options, progress, 0.95, 0.97, [&](int i) {
+      const std::int32_t s = rest[i];
+      const auto curve = surrogate.at(s);
+      wanted[s] = !curve || (promote && !(curve->error <= ground_.options.error_bound));
+      if (wanted[s]) return;
+      Row& row = rows_[s];
+      row.status = VertexStatus::blended;
+      row.method = SolveMethod::surrogate;
+      row.error = std::hypot(curve->error, kDiscretisationError);
+      row.travel.assign(curve->travel.begin(), curve->travel.end());
+      row.dent.assign(curve->others.begin(), curve->others.end());
+    });
+    summarise(surrogate.left_out_errors());
+    std::erase_if(rest, [&](std::int32_t s) { return wanted[s] == 0; });
+    return rest;
+  }
 
-StiffnessMap empty_map(const Ground& ground) {
-  const std::size_t n = ground.head.skin.points.size();
+  void summarise(const Eigen::MatrixXd& left_out) {
+    std::vector<double> miss(left_out.data(), left_out.data() + left_out.size());
+    for (double& e : miss) e = std::abs(e);
+    std::sort(miss.begin(), miss.end());
+    out_.statistics["blend_left_out_error_median"] = miss[miss.size() / 2];
+    out_.statistics["blend_left_out_error_p95"] = miss[miss.size() * 95 / 100];
+    out_.statistics["blend_left_out_error_max"] = miss.back();
+  }
+
+  const Ground& ground_;
+  Checkpoint& store_;
+  const std::vector<std::int32_t>& tissue_;
+  Sweep& out_;
+  std::vector<Row> rows_;
+};
+
+StiffnessMap map_of(const Ground& ground, const SkinPoints& points, const std::vector<Row>& rows) {
+  const std::size_t n = points.position.size(), loads = ground.forces.size();
   StiffnessMap map;
   map.tool_radius = ground.options.tool_radius;
   map.forces = ground.forces;
-  map.displacement.assign(n * ground.forces.size(), kNan);
-  map.status.assign(n, VertexStatus::failed);
-  map.error.assign(n, kNan);
-  map.depth.assign(n, kNan);
-  map.region = ground.head.region;
+  map.displacement.assign(n * loads, kNan);
+  map.region = points.region;
+  map.dents.force = ground.forces[dent_load(ground.forces)];
+  map.dents.radii.push_back(0);
+  for (const Ring& r : rule_for_depth(0, map.tool_radius).rings) map.dents.radii.push_back(r.radius);
+  const std::size_t rings = map.dents.radii.size();
+  map.dents.share.assign(n * rings, kNan);
+  for (std::size_t p = 0; p < n; ++p) {
+    const Row& row = rows[ground.spot_of[p]];
+    map.status.push_back(row.status);
+    map.method.push_back(row.method);
+    map.error.push_back(row.error);
+    map.depth.push_back(ground.spots[ground.spot_of[p]].depth);
+    std::copy(row.travel.begin(), row.travel.end(), map.displacement.begin() + p * loads);
+    std::copy(row.dent.begin(), row.dent.end(), map.dents.share.begin() + p * rings);
+  }
   return map;
 }
 
-void summarise(const PressedSites& solved, Sweep& out) {
-  double iterations = 0, projections = 0, failed = 0;
-  for (const SiteCurve& c : solved.curves) {
-    iterations += c.iterations;
-    projections += c.projections;
-    failed += c.travel.empty();
+void summarise(const Checkpoint& store, const std::vector<std::int32_t>& sites, Sweep& out) {
+  double iterations = 0, projections = 0, failed = 0, in_double = 0;
+  for (const std::int32_t s : sites) {
+    const SiteCurve* c = store.find(SolveLevel::full, s);
+    if (!c) continue;  // another shard's
+    iterations += c->iterations;
+    projections += c->projections;
+    failed += c->travel.empty();
+    in_double += c->method == SolveMethod::in_double;
   }
-  const double sites = static_cast<double>(std::max<std::size_t>(1, solved.curves.size()));
-  out.statistics["sites"] = static_cast<double>(solved.curves.size());
+  const double count = static_cast<double>(std::max<std::size_t>(1, sites.size()));
+  out.statistics["sites"] = static_cast<double>(sites.size());
   out.statistics["sites_failed"] = failed;
-  out.statistics["sites_in_double_precision"] = solved.in_double;
-  out.statistics["sites_with_clamped_skin"] = solved.clamped;
-  out.statistics["newton_steps_per_site"] = iterations / sites;
-  out.statistics["projected_steps_per_site"] = projections / sites;
+  out.statistics["sites_in_double_precision"] = in_double;
+  out.statistics["newton_steps_per_site"] = iterations / count;
+  out.statistics["projected_steps_per_site"] = projections / count;
+  if (failed > 0)
+    out.warnings.push_back(
+        fmt::format("{} of {} sites did not converge; they have no curve", failed, sites.size()));
+}
+
+void count_points(Sweep& out) {
   for (std::size_t s = 0; s < kVertexStatusNames.size(); ++s)
     out.statistics[fmt::format("points_{}", kVertexStatusNames[s])] = static_cast<double>(
         std::count(out.map.status.begin(), out.map.status.end(), static_cast<VertexStatus>(s)));
-  if (failed > 0)
-    out.warnings.push_back(fmt::format("{} of {} sites did not converge; they have no curve",
-                                       failed, solved.curves.size()));
+}
+
+/// First point of each spot that was pressed.
+std::vector<std::int32_t> points_of(const Ground& ground, const std::vector<std::int32_t>& sites) {
+  std::vector<std::int32_t> first(ground.spots.size(), -1), out;
+  for (std::size_t p = ground.spot_of.size(); p-- > 0;)
+    first[ground.spot_of[p]] = static_cast<std::int32_t>(p);
+  for (const std::int32_t s : sites) out.push_back(first[s]);
+  return out;
 }
 
 }  // namespace
 
+Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
+            const SweepOptions& options, const Progress& progress) {
+  check(head, skull, points, options);
+  const Ground ground(head, skull, points, options, progress);
+  const std::vector<std::int32_t> tissue = spots_with_tissue(ground);
+  Sweep out;
+  const auto store = open_store(ground, out);
+  int count = options.sites;
+  if (count == 0)
+    count = options.mode == SweepMode::fast ? kFastSites : static_cast<int>(tissue.size());
+  const std::vector<std::int32_t> sites = choose_sites(ground, tissue, count);
+
+  const Shard shard{options.shard, options.shard_count};
+  const bool coarse = options.mode == SweepMode::fast && sites.size() < tissue.size();
+  constexpr double kCoarseWork = 0.1;  // [-] of a full press
+  const double coarse_work = coarse ? kCoarseWork * static_cast<double>(tissue.size()) : 0;
+  const double middle = 0.04 + 0.91 * coarse_work / (coarse_work + static_cast<double>(sites.size()));
+  if (coarse)
+    press_sites(ground, SolveLevel::coarse, tissue, shard, *store, progress, 0.04, middle);
+  press_sites(ground, SolveLevel::full, sites, shard, *store, progress, middle, 0.95);
+  out.sites = points_of(ground, sites);
+  summarise(*store, sites, out);
+  if (shard.count > 1) {
+    out.statistics["curves_in_store"] = static_cast<double>(store->size());
+    return out;
+  }
+
+  const std::vector<Row> rows = Filler(ground, *store, tissue, out).run(sites, progress);
+  out.map = map_of(ground, points, rows);
+  count_points(out);
+  return out;
+}
+
 Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SweepOptions& options,
             const Progress& progress) {
-  check(head, skull, options);
-  const Ground ground(head, skull, options);
-  Sweep out;
-  out.map = empty_map(ground);
-  const std::vector<SiteFeatures> features = look_around(ground, out.map, progress);
-  out.sites = choose_sites(ground, out.map, features);
-  if (out.sites.empty())
-    throw InputError(fmt::format("no point of the skin has bone within {} mm beneath it",
-                                 options.no_bone_beyond));
-  const PressedSites solved = press_sites(ground, out.sites, out.map.depth, progress, 0.05, 0.95);
-  blend(ground, features, solved, out, progress);
-  for (std::size_t i = 0; i < out.sites.size(); ++i) {
-    const std::int32_t p = out.sites[i];
-    const std::vector<double>& travel = solved.curves[i].travel;
-    out.map.status[p] = travel.empty() ? VertexStatus::failed : VertexStatus::solved;
-    const auto loads = static_cast<Eigen::Index>(ground.forces.size());
-    if (travel.empty())
-      store(out.map, p, Eigen::VectorXd::Constant(loads, kNan), kNan);
-    else
-      store(out.map, p, Eigen::Map<const Eigen::VectorXd>(travel.data(), loads),
-            kDiscretisationError);
-  }
-  summarise(solved, out);
-  return out;
+  return sweep(head, skull, {head.skin.points, head.region}, options, progress);
 }
 
 }  // namespace palpate::stiffness

@@ -2,6 +2,7 @@
 // A force-travel curve at every point of the skin.
 #pragma once
 #include <cstdint>
+#include <filesystem>
 #include <map>
 #include <string>
 #include <vector>
@@ -10,45 +11,68 @@
 #include "core/progress.hpp"
 #include "core/skull.hpp"
 #include "core/stiffness_map.hpp"
+#include "stiffness/tissue_model.hpp"
 
 namespace palpate::stiffness {
 
+/// exact: every point on tissue is pressed with every load; or `sites` of them, and the rest is
+/// blended from these by what lies around. fast: a coarse
+/// press everywhere, `sites` full ones, the rest learned with a predicted error; where that is
+/// above `error_bound` the point is pressed in full.
+enum class SweepMode { exact, fast };
+
 struct SweepOptions {
-  double tool_radius = 8;            ///< [mm] sphere; > 0
-  double youngs_modulus = 0.045658;  ///< [MPa] flesh; > 0
-  double poissons_ratio = 0.43;      ///< [-] flesh; 0 <= nu < 0.5
-  int loads = 10;                    ///< number of equal force steps up to max_force; >= 1
-  double max_force = 5;              ///< [N]
-  int sites = 300;                   ///< skin points solved in full; the rest is blended
-  double no_bone_beyond = 40;        ///< [mm] no curve where bone is farther along the normal
-  std::uint64_t seed = 1;            ///< for the choice of sites
-  int threads = 0;                   ///< 0: all cores; the result does not depend on it
+  SweepMode mode = SweepMode::fast;
+  double tool_radius = 8;      ///< [mm] sphere; > 0
+  TissueModel tissue;          ///< what the flesh is made of
+  int loads = 10;              ///< number of equal force steps up to max_force; >= 1
+  double max_force = 5;        ///< [N]
+  int sites = 0;               ///< points pressed in full; 0: 300 in fast mode, all in exact mode
+  double error_bound = 0.03;   ///< [-] largest predicted error of a learned curve in fast mode
+  double no_bone_beyond = 40;  ///< [mm] no curve where bone is farther along the normal
+  std::uint64_t seed = 1;      ///< for the choice of sites
+  int threads = 0;             ///< 0: all cores; the result does not depend on it
+
+  // How a long run is cut; none of it changes the result.
+  std::filesystem::path checkpoint;          ///< file to go on from and to write to; "": none
+  std::vector<std::filesystem::path> parts;  ///< checkpoints of shards to take in
+  int shard = 0;                             ///< this process' share: shard of shard_count
+  int shard_count = 1;                       ///< > 1: only solves its share, makes no map
+};
+
+/// Points asked for, head frame, [mm]; one region each.
+struct SkinPoints {
+  std::vector<Vec3> position;
+  std::vector<SkinRegion> region;
 };
 
 struct Sweep {
-  StiffnessMap map;                          ///< on the points of head.skin
-  std::vector<std::int32_t> sites;           ///< points of head.skin that were solved
+  StiffnessMap map;                          ///< one row per point asked for; empty for a shard
+  std::vector<std::int32_t> sites;           ///< points pressed in full, first of coinciding ones
   std::map<std::string, double> statistics;  ///< named figures, units in the names
   std::vector<std::string> warnings;
+  std::vector<std::string> notes;  ///< about this run alone, such as damage in a checkpoint
 };
 
-/// Presses a frictionless rigid sphere along the inward normal at chosen sites and blends the
-/// curves to all points of the working skin.
-/// @note Same bits for any thread count. A site that does not converge has status failed and no
-/// curve.
+/// Presses a frictionless rigid sphere along the inward normal of the working skin nearest to each
+/// point.
+/// Status: held in an organ's region (eye, nose, lips); no_bone on an ear, farther than 4 mm from
+/// the working skin, where no bone lies within reach or the way to it leaves the head; failed where
+/// no equilibrium was found.
+/// @throws InputError  names the option, key or file that cannot be used
+/// @throws FileError   a full disk: what the checkpoint held stays good
+/// @note Same bits for any thread count, number of shards and interruption, on one instruction set.
+[[nodiscard]] Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
+                          const SweepOptions& options = {}, const Progress& progress = {});
+/// At the points of the working skin.
 [[nodiscard]] Sweep sweep(const HeadSurface& head, const SkullFit& skull,
                           const SweepOptions& options = {}, const Progress& progress = {});
 
-/// The map carried to other points of the same skin (the user's vertices) by the closest point's
-/// barycentric weights; tissue depth is measured anew along the smoothed inward normal.
-/// Status: held in an organ's region, no_bone on an ear or farther than 4 mm from the working skin;
-/// otherwise that of the nearest corner, where corners without a curve are left out of the mix.
-/// A point keeps `solved` only where it coincides with a solved one.
+/// A map on the working skin carried to other points (a scan with many more vertices than the
+/// working skin) by the closest point's barycentric weights; tissue depth is measured anew along
+/// the smoothed inward normal. Corners without a curve are left out of the mix.
 /// @param points  [mm] head frame
-/// @param region  one per point
 [[nodiscard]] StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head,
-                                    const SkullFit& skull, const std::vector<Vec3>& points,
-                                    const std::vector<Vec3>& normals,
-                                    const std::vector<SkinRegion>& region);
+                                    const SkullFit& skull, const SkinPoints& points);
 
 }  // namespace palpate::stiffness

@@ -25,13 +25,17 @@ void mix(const StiffnessMap& from, const Triangle& corner, const Vec3& weight, S
   double sum = 0;
   for (int i = 0; i < 3; ++i)
     if (from.has_curve(corner[i])) sum += std::max(weight[i], 0.0);
+  const std::size_t rings = from.dents.radii.size();
   std::fill_n(to.displacement.begin() + p * loads, loads, 0.0);
+  std::fill_n(to.dents.share.begin() + p * rings, rings, 0.0);
   to.error[p] = 0;
   for (int i = 0; i < 3; ++i) {
     if (!from.has_curve(corner[i])) continue;
     const double w = std::max(weight[i], 0.0) / sum;
     for (std::size_t l = 0; l < loads; ++l)
       to.displacement[p * loads + l] += w * from.displacement[corner[i] * loads + l];
+    for (std::size_t r = 0; r < rings; ++r)
+      to.dents.share[p * rings + r] += w * from.dents.share[corner[i] * rings + r];
     to.error[p] += w * from.error[corner[i]];
   }
 }
@@ -45,27 +49,30 @@ StiffnessMap empty_map(const StiffnessMap& like, const std::vector<SkinRegion>& 
   map.error.assign(region.size(), kNan);
   map.depth.assign(region.size(), kNan);
   map.region = region;
+  map.method.assign(region.size(), SolveMethod::none);
+  map.dents = like.dents;
+  map.dents.share.assign(region.size() * like.dents.radii.size(), kNan);
   return map;
 }
 
 }  // namespace
 
 StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head, const SkullFit& skull,
-                      const std::vector<Vec3>& points, const std::vector<Vec3>& normals,
-                      const std::vector<SkinRegion>& region) {
-  if (normals.size() != points.size() || region.size() != points.size())
-    throw InputError("transfer needs one normal and one region per point");
+                      const SkinPoints& points) {
+  const std::vector<SkinRegion>& region = points.region;
+  if (region.size() != points.position.size())
+    throw InputError("transfer needs one region per point");
   const surface::SurfaceQuery skin(head.skin), bone(skull.mesh);
   const std::vector<Vec3> smooth = smoothed_normals(head.skin, map.tool_radius);
   StiffnessMap out = empty_map(map, region);
-  for (std::size_t p = 0; p < points.size(); ++p) {
-    const surface::ClosestPoint at = skin.closest(points[p]);
+  for (std::size_t p = 0; p < region.size(); ++p) {
+    const Vec3& point = points.position[p];
+    const surface::ClosestPoint at = skin.closest(point);
     if (!(at.distance <= kOffSkin)) continue;
     const Triangle& corner = head.skin.triangles[at.triangle];
     Vec3 normal = Vec3::Zero();
     for (int i = 0; i < 3; ++i) normal += at.barycentric[i] * smooth[corner[i]];
-    normal = (normal.norm() > 0 ? normal : normals[p]).normalized();
-    const auto hit = bone.cast(points[p], -normal, kNoBoneBeyond);
+    const auto hit = bone.cast(point, -normal.normalized(), kNoBoneBeyond);
 
     int nearest = 0;
     at.barycentric.maxCoeff(&nearest);
@@ -74,8 +81,10 @@ StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head, const Sk
     if (region[p] == SkinRegion::ear) out.status[p] = VertexStatus::no_bone;
     if (hit && out.status[p] != VertexStatus::no_bone) out.depth[p] = hit->distance;
     if (!out.has_curve(p)) continue;
-    const bool same = (points[p] - head.skin.points[corner[nearest]]).norm() <= kSamePoint;
+    const bool same = (point - head.skin.points[corner[nearest]]).norm() <= kSamePoint;
     if (!same) out.status[p] = VertexStatus::blended;
+    out.method[p] = same && !map.method.empty() ? map.method[corner[nearest]]
+                                                : SolveMethod::surrogate;
     mix(map, corner, same ? Vec3(Vec3::Unit(nearest)) : at.barycentric, out, p);
   }
   return out;

@@ -25,7 +25,7 @@ struct Samples {
 Samples samples(int n, std::uint64_t seed) {
   std::mt19937_64 random(seed);
   std::uniform_real_distribution<double> d(-1, 1);
-  Samples s{{Eigen::MatrixXd(n, 3), Eigen::MatrixXd(n, 3)}, Eigen::MatrixXd(n, 4)};
+  Samples s{{Eigen::MatrixXd(n, 3), Eigen::MatrixXd(n, 3), {}}, Eigen::MatrixXd(n, 4)};
   for (double& v : s.inputs.shape.reshaped()) v = d(random);
   for (double& v : s.inputs.position.reshaped()) v = 10 * d(random);
   for (int i = 0; i < n; ++i) s.travel.row(i) = curve(s.inputs.shape.row(i));

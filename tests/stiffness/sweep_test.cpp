@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
 
 #include "scenes.hpp"
 #include "stiffness/press_sites.hpp"
@@ -14,6 +15,7 @@ namespace {
 
 SweepOptions quick() {
   SweepOptions o;
+  o.mode = SweepMode::exact;
   o.loads = 3;
   o.sites = 16;
   return o;
@@ -55,9 +57,19 @@ TEST(Sweep, IsTheSameBitsOnOneAndTwoThreads) {
 std::vector<SiteCurve> press_points(const scenes::Head& head,
                                     const std::vector<std::int32_t>& points) {
   const SweepOptions o = quick();
-  const Ground ground(head.skin, head.skull, o);
-  const std::vector<double> depth(head.skin.skin.points.size(), 8.0);
-  return press_sites(ground, points, depth, {}, 0, 1).curves;
+  SkinPoints at;
+  for (const std::int32_t p : points) {
+    at.position.push_back(head.skin.skin.points[p]);
+    at.region.push_back(SkinRegion::cheek);
+  }
+  const Ground ground(head.skin, head.skull, at, o, {});
+  Checkpoint store;
+  std::vector<std::int32_t> spots(points.size());
+  std::iota(spots.begin(), spots.end(), 0);
+  press_sites(ground, SolveLevel::full, spots, {}, store, {}, 0, 1);
+  std::vector<SiteCurve> curves;
+  for (const std::int32_t s : spots) curves.push_back(*store.find(SolveLevel::full, s));
+  return curves;
 }
 
 // The template turns with the head's axes and its diagonals are not symmetric: what is left is the
@@ -105,7 +117,7 @@ TEST(Sweep, RefusesWhatItCannotPress) {
   o.tool_radius = 500;
   EXPECT_THROW((void)sweep(head.skin, head.skull, o), InputError);
   o = quick();
-  o.poissons_ratio = 0.5;
+  o.tissue.poissons_ratio = 0.5;
   EXPECT_THROW((void)sweep(head.skin, head.skull, o), InputError);
   EXPECT_THROW((void)sweep({}, head.skull, quick()), InputError);
   EXPECT_THROW((void)sweep(head.skin, {}, quick()), InputError);

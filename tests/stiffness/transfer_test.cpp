@@ -27,9 +27,8 @@ struct Scene {
   scenes::Head head = scenes::head(3);
   StiffnessMap map = linear_map(head.skin);
   StiffnessMap at(const std::vector<Vec3>& points, SkinRegion region = SkinRegion::cheek) const {
-    const std::vector<Vec3> normals(points.size(), Vec3::UnitZ());
-    const std::vector<SkinRegion> regions(points.size(), region);
-    return transfer(map, head.skin, head.skull, points, normals, regions);
+    return transfer(map, head.skin, head.skull,
+                    {points, std::vector<SkinRegion>(points.size(), region)});
   }
   Vec3 middle(int triangle) const {
     const Triangle& t = head.skin.skin.triangles[triangle];

@@ -83,7 +83,7 @@ struct BatchPress::Work {
   const Plan& plan;
   PlanView view;
   const Kernels& kernels;
-  LaneArray tet_geometry, face_position, face_area, start;
+  LaneArray tet_geometry, face_position, face_area, start, penalty;
   LaneArray factor, inverse_diagonal;
   LaneArray x, trial, gradient, trial_gradient, step;
   std::array<std::vector<float>, 3> history;  // x of the last loads, newest last
@@ -101,6 +101,7 @@ struct BatchPress::Work {
         face_position(static_cast<std::int64_t>(view.faces) * kFaceNodes * 3),
         face_area(view.faces),
         start(1),
+        penalty(1),
         factor(p.factor_entries),
         inverse_diagonal(p.unknowns),
         x(p.unknowns + 3),
@@ -110,8 +111,9 @@ struct BatchPress::Work {
         step(p.unknowns + 3) {}
 
   int travel_slot() const { return plan.unknowns - 1; }
-  void set_geometry(std::span<const std::vector<Vec3>> patches, const BatchTool& tool);
-  void set_lane_geometry(int lane, const std::vector<Vec3>& nodes, double radius);
+  void set_geometry(std::span<const BatchPatch> patches, double radius);
+  void set_lane_geometry(int lane, const BatchPatch& patch, double radius);
+  void watch(std::span<const std::vector<std::int32_t>> groups);
   LaneValues evaluate(LaneArray& at, LaneArray& out, float force, LaneValues& squared_pressure);
   LaneValues largest(LaneArray& a);
   LaneValues dot(LaneArray& a, LaneArray& b);
@@ -124,7 +126,8 @@ struct BatchPress::Work {
                    LaneValues& squared_pressure);
 };
 
-void BatchPress::Work::set_lane_geometry(int lane, const std::vector<Vec3>& nodes, double radius) {
+void BatchPress::Work::set_lane_geometry(int lane, const BatchPatch& patch, double radius) {
+  const std::vector<Vec3>& nodes = patch.nodes;
   for (int t = 0; t < view.tets; ++t) {
     const std::int32_t* n = &topology.tets[static_cast<std::size_t>(t) * kTetNodes];
     Mat3 edges;
@@ -137,6 +140,9 @@ void BatchPress::Work::set_lane_geometry(int lane, const std::vector<Vec3>& node
       for (int i = 0; i < 3; ++i)
         tet_geometry.at(t * kTetGeometry + 3 * m + i, lane) = static_cast<float>(g(m, i));
     tet_geometry.at(t * kTetGeometry + 12, lane) = static_cast<float>(edges.determinant() / 6);
+    const LameModuli& m = patch.moduli[patch.moduli.size() == 1 ? 0 : t];
+    tet_geometry.at(t * kTetGeometry + 13, lane) = static_cast<float>(m.lambda);
+    tet_geometry.at(t * kTetGeometry + 14, lane) = static_cast<float>(m.mu);
   }
   for (int f = 0; f < view.faces; ++f) {
     const std::int32_t* n = &topology.contact_faces[static_cast<std::size_t>(f) * kFaceNodes];
@@ -146,22 +152,32 @@ void BatchPress::Work::set_lane_geometry(int lane, const std::vector<Vec3>& node
     face_area.at(f, lane) = static_cast<float>(
         0.5 * (nodes[n[1]] - nodes[n[0]]).cross(nodes[n[2]] - nodes[n[0]]).norm());
   }
+  penalty.at(0, lane) = static_cast<float>(patch.penalty);
   start.at(0, lane) = static_cast<float>(-first_contact(
       topology.contact_faces, topology.order, nodes, Vec3::Zero(), -Vec3::UnitZ(), radius));
 }
 
-void BatchPress::Work::set_geometry(std::span<const std::vector<Vec3>> patches,
-                                    const BatchTool& tool) {
+void BatchPress::Work::set_geometry(std::span<const BatchPatch> patches, double radius) {
   // Lanes without a patch repeat the first one; their results are dropped.
   for (int lane = 0; lane < kLanes; ++lane)
     set_lane_geometry(lane, patches[static_cast<std::size_t>(lane) < patches.size() ? lane : 0],
-                      tool.radius);
+                      radius);
   batch.tet_geometry = tet_geometry.data();
   batch.face_position = face_position.data();
   batch.face_area = face_area.data();
   batch.start = start.data();
-  batch.radius = static_cast<float>(tool.radius);
-  batch.penalty = static_cast<float>(tool.penalty);
+  batch.penalty = penalty.data();
+  batch.radius = static_cast<float>(radius);
+}
+
+/// Notes how far each group's nodes have gone down at the load just solved.
+void BatchPress::Work::watch(std::span<const std::vector<std::int32_t>> groups) {
+  for (const std::vector<std::int32_t>& group : groups)
+    for (int l = 0; l < kLanes; ++l) {
+      double sum = 0;
+      for (const std::int32_t node : group) sum -= x.at(plan.slot[node] + 2, l);
+      lanes[l].sunk.push_back(sum / static_cast<double>(group.size()));
+    }
 }
 
 /// Gradient of the total potential; returns admissible (1 or 0) per lane.
@@ -319,15 +335,13 @@ BatchPress::BatchPress(const Topology& topology, const Plan& plan, InstructionSe
 BatchPress::~BatchPress() = default;
 BatchPress::BatchPress(BatchPress&&) noexcept = default;
 
-std::vector<LaneCurve> BatchPress::press(std::span<const std::vector<Vec3>> patches,
-                                         const LameModuli& moduli, const BatchTool& tool,
+std::vector<LaneCurve> BatchPress::press(std::span<const BatchPatch> patches, double tool_radius,
                                          std::span<const double> forces,
+                                         std::span<const std::vector<std::int32_t>> watched,
                                          const BatchOptions& options) {
   Work& w = *work_;
   if (patches.empty() || patches.size() > kLanes) throw InputError("a batch holds 1 to 16 patches");
-  w.batch.lambda = static_cast<float>(moduli.lambda);
-  w.batch.mu = static_cast<float>(moduli.mu);
-  w.set_geometry(patches, tool);
+  w.set_geometry(patches, tool_radius);
   w.lanes.assign(kLanes, {});
   w.alive.fill(true);
   for (int l = 0; l < kLanes; ++l) w.travel[l].clear(), w.squared[l].clear();
@@ -337,6 +351,7 @@ std::vector<LaneCurve> BatchPress::press(std::span<const std::vector<Vec3>> patc
   for (std::size_t load = 0; load < forces.size(); ++load) {
     if (load > 1) w.predict(forces, load);
     w.solve_load(forces, load, options);
+    w.watch(watched);
     std::rotate(w.history.begin(), w.history.begin() + 1, w.history.end());
     w.history[2].assign(w.x.data(),
                         w.x.data() + static_cast<std::size_t>(w.plan.unknowns) * kLanes);
@@ -344,7 +359,8 @@ std::vector<LaneCurve> BatchPress::press(std::span<const std::vector<Vec3>> patc
   w.lanes.resize(patches.size());
   for (std::size_t l = 0; l < patches.size(); ++l)
     if (w.alive[l])
-      w.lanes[l].travel = rigid_contact_travel(forces, w.travel[l], w.squared[l], tool.penalty);
+      w.lanes[l].travel =
+          rigid_contact_travel(forces, w.travel[l], w.squared[l], patches[l].penalty);
   return w.lanes;
 }
 

@@ -19,13 +19,17 @@ struct BatchOptions {
   int max_iterations = 40;           ///< Newton steps per load
   double first_guess = 0.2;          ///< [mm] travel that the first load starts from
 };
-struct BatchTool {
-  double radius = 8;   ///< [mm] sphere, coming down along -z
-  double penalty = 5;  ///< [MPa/mm]
+/// One site's tissue.
+struct BatchPatch {
+  std::vector<Vec3> nodes;  ///< rest positions [mm], one per node of the topology, straight sides,
+                            ///< the site at the origin and the outward normal +z
+  std::vector<LameModuli> moduli;  ///< one per tetrahedron, or one for all
+  double penalty = 5;              ///< [MPa/mm] default_penalty() of the top layer
 };
 /// One lane's result.
 struct LaneCurve {
   std::vector<double> travel;  ///< [mm] one per load, rigid contact; empty where one failed
+  std::vector<double> sunk;    ///< [mm] loads x groups: mean way down of each watched group's nodes
   int iterations = 0;          ///< Newton steps in which the lane took part
   int shifts = 0;              ///< steps that needed a shifted Hessian
 };
@@ -38,17 +42,17 @@ class BatchPress {
   ~BatchPress();
   BatchPress(BatchPress&&) noexcept;
 
-  /// The same equilibria as press() with neo-Hookean tissue and a sphere from its first contact,
-  /// to about 1e-4 of the travel.
-  /// @param patches  1 to 16 lists of rest positions [mm], one per node of the topology, straight
-  ///                 sides, the site at the origin and the outward normal +z
-  /// @param forces   [N] ascending, > 0
+  /// The same equilibria as press() with neo-Hookean tissue and a sphere that comes down along -z
+  /// from its first contact, to about 1e-4 of the travel.
+  /// @param patches      1 to 16
+  /// @param tool_radius  [mm]
+  /// @param forces       [N] ascending, > 0
+  /// @param watched      groups of nodes of the topology; may be empty
   /// @note A lane's result does not depend on the other lanes. A lane that does not converge has an
   /// empty curve; solve it in double precision.
-  [[nodiscard]] std::vector<LaneCurve> press(std::span<const std::vector<Vec3>> patches,
-                                             const LameModuli& moduli, const BatchTool& tool,
-                                             std::span<const double> forces,
-                                             const BatchOptions& options = {});
+  [[nodiscard]] std::vector<LaneCurve> press(
+      std::span<const BatchPatch> patches, double tool_radius, std::span<const double> forces,
+      std::span<const std::vector<std::int32_t>> watched = {}, const BatchOptions& options = {});
 
  private:
   struct Work;

@@ -11,8 +11,8 @@ namespace palpate::fem::lanes {
 
 inline constexpr int kLanes = 16;
 inline constexpr int kTetNodes = 10, kFaceNodes = 6, kTetPairs = 55, kFacePairs = 21;
-/// Geometry of a straight-sided tetrahedron: four barycentric gradients, then the volume.
-inline constexpr int kTetGeometry = 13;
+/// A straight-sided tetrahedron: four barycentric gradients, the volume, lambda and mu of its tissue.
+inline constexpr int kTetGeometry = 15;
 
 /// Columns [first, first + width) of the factor in elimination order, as a dense row-major panel of
 /// rows x width entries; its first `width` rows are the diagonal block.
@@ -59,11 +59,12 @@ struct PlanView {
 
 /// One batch: all pointers are lane arrays, 64-byte aligned.
 struct BatchView {
-  const float* tet_geometry;   ///< tets x 13
+  const float* tet_geometry;   ///< tets x kTetGeometry
   const float* face_position;  ///< faces x 6 x 3: rest positions [mm], z along the outward axis
   const float* face_area;      ///< faces [mm^2]
   const float* start;          ///< 1: height of the sphere's centre at travel 0 [mm]
-  float lambda, mu, radius, penalty;
+  const float* penalty;        ///< 1: pressure per penetration [MPa/mm]
+  float radius;
 };
 
 /// Results for all lanes at once. `x` and `gradient` have unknowns + 3 entries: the last three
