@@ -42,9 +42,10 @@ static void finish_tissue(Command& c) {
   if (c.tissue_model != model.name) model = read_tissue_model(c.tissue_model);
   const bool changed = c.youngs_modulus_kpa > 0 || c.poissons_ratio >= 0;
   if (changed && model.kind != stiffness::TissueKind::uniform)
-    throw InputError(fmt::format("--youngs-modulus-kpa and --poissons-ratio change a uniform model; "
-                                 "{} is not one",
-                                 c.tissue_model));
+    throw InputError(
+        fmt::format("--youngs-modulus-kpa and --poissons-ratio change a uniform model; "
+                    "{} is not one",
+                    c.tissue_model));
   if (changed) model.source = "given on the command line";
   if (c.youngs_modulus_kpa > 0) model.youngs_modulus = c.youngs_modulus_kpa * 1e-3;
   if (c.poissons_ratio >= 0) model.poissons_ratio = c.poissons_ratio;
@@ -60,8 +61,7 @@ void Command::finish() {
       landmark_method == "published" ? landmarks::Method::published : landmarks::Method::robust;
   options.fit.method = fit_method == "published" ? skull::Method::published : skull::Method::depth;
   finish_tissue(*this);
-  options.sweep.mode =
-      mode == "exact" ? stiffness::SweepMode::exact : stiffness::SweepMode::fast;
+  options.sweep.mode = mode == "exact" ? stiffness::SweepMode::exact : stiffness::SweepMode::fast;
   if (!shard.empty()) std::tie(options.sweep.shard, options.sweep.shard_count) = parse_shard(shard);
   options.sweep.threads = threads;
 }

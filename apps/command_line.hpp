@@ -29,7 +29,7 @@ struct Command {
   double youngs_modulus_kpa = 0;  ///< 0: as the tissue model says
   double poissons_ratio = -1;     ///< < 0: likewise
   std::string mode = "fast";
-  std::string shard;  ///< "i/n", i from 1
+  std::string shard;   ///< "i/n", i from 1
   std::string config;  ///< read before the parse; here for --help
   bool json = false;
   bool quiet = false;
@@ -50,8 +50,9 @@ void add_scan_options(CLI::App* sub, const CommandPtr& c);      ///< SCAN, --uni
 void add_landmark_options(CLI::App* sub, const CommandPtr& c);  ///< --landmarks, --landmark, ...
 void add_fit_options(CLI::App* sub, const CommandPtr& c);  ///< --fit, --clearance, --template, ...
 void add_tissue_options(CLI::App* sub, const CommandPtr& c);  ///< --max-volume, ...
-void add_sweep_options(CLI::App* sub, const CommandPtr& c);   ///< --mode, --sites, --tissue-model, ...
-void add_own_skull(CLI::App* sub, const CommandPtr& c);       ///< --skull
+void add_sweep_options(CLI::App* sub,
+                       const CommandPtr& c);             ///< --mode, --sites, --tissue-model, ...
+void add_own_skull(CLI::App* sub, const CommandPtr& c);  ///< --skull
 void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what);
 
 /// The result: JSON on standard output with --json, else the lines `text`.

@@ -53,23 +53,23 @@ void add_job_options(CLI::App* sub, const CommandPtr& c) {
 
 void add_sweep_commands(CLI::App& app) {
   auto c = std::make_shared<Command>();
-  CLI::App* sub = add_subcommand(
-      app, "sweep", "scan and skull -> force-depth curves (head.glb without report)",
-      "Examples:\n  palpate sweep scan.obj --skull skull.ply -o head.glb\n"
-      "  palpate sweep scan.obj --mode exact --checkpoint scan.sweep -o head.glb\n"
-      "  palpate sweep scan.obj --mode exact --shard 2/4 --checkpoint part2.sweep",
-      c, run_sweep);
+  CLI::App* sub =
+      add_subcommand(app, "sweep", "scan and skull -> force-depth curves (head.glb without report)",
+                     "Examples:\n  palpate sweep scan.obj --skull skull.ply -o head.glb\n"
+                     "  palpate sweep scan.obj --mode exact --checkpoint scan.sweep -o head.glb\n"
+                     "  palpate sweep scan.obj --mode exact --shard 2/4 --checkpoint part2.sweep",
+                     c, run_sweep);
   add_job_options(sub, c);
   sub->add_option("-o,--output", c->output, "touchable head, .glb");
   sub->add_option("--shard", c->shard,
                   "i/n: solve the i-th of n parts into --checkpoint; see `palpate merge`");
 
   c = std::make_shared<Command>();
-  sub = add_subcommand(
-      app, "merge", "scan and the parts of all shards -> head.glb, as one run would make it",
-      "Example, with the options that the shards were given:\n"
-      "  palpate merge scan.obj part1.sweep part2.sweep --mode exact -o head.glb",
-      c, run_sweep);
+  sub = add_subcommand(app, "merge",
+                       "scan and the parts of all shards -> head.glb, as one run would make it",
+                       "Example, with the options that the shards were given:\n"
+                       "  palpate merge scan.obj part1.sweep part2.sweep --mode exact -o head.glb",
+                       c, run_sweep);
   add_job_options(sub, c);
   sub->add_option("PART", c->options.sweep.parts, "checkpoint files of the shards")
       ->required()

@@ -3,9 +3,9 @@
 
 #include <fmt/format.h>
 
+#include <toml++/toml.h>
 #include <algorithm>
 #include <set>
-#include <toml++/toml.h>
 
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
@@ -119,8 +119,7 @@ class TissueFile {
       const toml::table& t = *entry.as_table();
       only(t, {"name", "share_of_depth", "youngs_modulus_kpa", "poissons_ratio", "law"});
       m.layers.push_back({text(t, "name", true), number(t, "share_of_depth"),
-                          kMpaPerKpa * number(t, "youngs_modulus_kpa"),
-                          number(t, "poissons_ratio"),
+                          kMpaPerKpa * number(t, "youngs_modulus_kpa"), number(t, "poissons_ratio"),
                           static_cast<TissueLaw>(choice(t, "law", kLaws, false))});
     }
   }
@@ -138,9 +137,8 @@ stiffness::TissueModel read_tissue_model(const std::string& word) {
 }
 
 nlohmann::json describe(const TissueModel& m) {
-  nlohmann::json out = {{"name", m.name},
-                        {"model", kKinds[static_cast<std::size_t>(m.kind)]},
-                        {"source", m.source}};
+  nlohmann::json out = {
+      {"name", m.name}, {"model", kKinds[static_cast<std::size_t>(m.kind)]}, {"source", m.source}};
   if (m.kind == TissueKind::layered) {
     for (const stiffness::TissueLayer& l : m.layers)
       out["layers"].push_back({{"name", l.name},

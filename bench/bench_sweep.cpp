@@ -91,7 +91,8 @@ void speed() {
       const fem::lanes::Plan plan = fem::lanes::make_plan(t.topology);
       fem::lanes::BatchPress batch(t.topology, plan, set);
       std::vector<fem::lanes::BatchPatch> patches;
-      for (int i = 0; i < 16; ++i) patches.push_back({slab(t, depth * (0.7 + 0.04 * i), 2.5), {kFlesh}});
+      for (int i = 0; i < 16; ++i)
+        patches.push_back({slab(t, depth * (0.7 + 0.04 * i), 2.5), {kFlesh}});
       const auto start = Clock::now();
       const auto lanes = batch.press(patches, kTool, forces);
       const double seconds = seconds_since(start);

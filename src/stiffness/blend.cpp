@@ -155,8 +155,7 @@ CurveBlend::Curve CurveBlend::at(const Eigen::VectorXd& shape, const Eigen::Vect
     k[i] = covariance_of((sites_.shape.row(i).transpose() - z).norm(),
                          (sites_.position.row(i).transpose() - position).norm(), kernel_);
   const Eigen::VectorXd standard = (shape - mean_).cwiseProduct(inverse_deviation_);
-  Eigen::RowVectorXd y = trend_.row(0) +
-                         standard.transpose() * trend_.bottomRows(standard.size()) +
+  Eigen::RowVectorXd y = trend_.row(0) + standard.transpose() * trend_.bottomRows(standard.size()) +
                          k.transpose() * alpha_;
   if (guess.size() > 0) y += to_logarithms(guess.transpose());
   const Eigen::VectorXd v = factor_.matrixL().solve(k);

@@ -21,8 +21,8 @@ struct BlendKernel {
   double noise = 1e-4;          ///< [-] of the variance
 };
 
-/// Learns ln u_1 and ln(u_i - u_(i-1)) of the sites, or how far these are from the guess', so that a
-/// blended curve ascends. The kernel is chosen by the leave-one-out error. Deterministic.
+/// Learns ln u_1 and ln(u_i - u_(i-1)) of the sites, or how far these are from the guess', so that
+/// a blended curve ascends. The kernel is chosen by the leave-one-out error. Deterministic.
 class CurveBlend {
  public:
   /// @param travel  n x loads [mm], rows ascending, > 0; n >= 2
@@ -50,8 +50,8 @@ class CurveBlend {
   void choose_kernel();
 
   BlendInputs sites_;
-  Eigen::MatrixXd travel_, target_;  // target: logarithms minus the guess' and minus trend
-  Eigen::MatrixXd others_, others_alpha_;              // minus their means
+  Eigen::MatrixXd travel_, target_;        // target: logarithms minus the guess' and minus trend
+  Eigen::MatrixXd others_, others_alpha_;  // minus their means
   Eigen::RowVectorXd others_mean_;
   Eigen::VectorXd mean_, inverse_deviation_, weight_;  // of the shape numbers
   Eigen::MatrixXd trend_;                              // (1 + s) x loads

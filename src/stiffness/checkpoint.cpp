@@ -84,7 +84,8 @@ void Fingerprint::add(std::span<const std::byte> bytes) {
 }
 
 void Fingerprint::add(const std::string& text) {
-  add(std::as_bytes(std::span(text.data(), text.size() + 1)));  // with the end: "ab","c" != "a","bc"
+  add(std::as_bytes(
+      std::span(text.data(), text.size() + 1)));  // with the end: "ab","c" != "a","bc"
 }
 
 static std::string header_payload(std::uint64_t job) {
@@ -129,13 +130,15 @@ std::size_t Checkpoint::read(const std::filesystem::path& path, const std::strin
                              std::uint64_t job) {
   Block found;
   if (!whole_block(bytes, 0, found) || found.kind != kHeader)
-    throw InputError(fmt::format("{}: not a checkpoint of a sweep, or its head is damaged; delete "
-                                 "it or name another file",
-                                 path.string()));
+    throw InputError(
+        fmt::format("{}: not a checkpoint of a sweep, or its head is damaged; delete "
+                    "it or name another file",
+                    path.string()));
   if (found.payload != header_payload(job))
-    throw InputError(fmt::format("{}: belongs to another head, other options, another version or "
-                                 "another instruction set; delete it or name another file",
-                                 path.string()));
+    throw InputError(
+        fmt::format("{}: belongs to another head, other options, another version or "
+                    "another instruction set; delete it or name another file",
+                    path.string()));
   std::size_t at = kBlockHead + found.payload.size();
   while (at < bytes.size()) {
     if (whole_block(bytes, at, found)) {
@@ -147,8 +150,9 @@ std::size_t Checkpoint::read(const std::filesystem::path& path, const std::strin
     while (next != std::string::npos && !whole_block(bytes, next, found))
       next = bytes.find(kMagic, next + 1);
     if (next == std::string::npos) return at;  // cut off while it was written
-    damage_.push_back(fmt::format("{}: bytes {} to {} are damaged; what they held is computed again",
-                                  path.string(), at, next));
+    damage_.push_back(
+        fmt::format("{}: bytes {} to {} are damaged; what they held is computed again",
+                    path.string(), at, next));
     at = next;
   }
   return at;
@@ -210,10 +214,10 @@ void Checkpoint::append(const std::string& bytes) {
     const ssize_t n = ::write(descriptor_, bytes.data() + done, bytes.size() - done);
     if (n < 0 && errno == EINTR) continue;
     if (n <= 0)
-      throw FileError(fmt::format("checkpoint {}: {}; {} curves before this are safe, free space "
-                                  "and run the same command again",
-                                  path_.string(), std::strerror(n < 0 ? errno : ENOSPC),
-                                  curves_.size()));
+      throw FileError(
+          fmt::format("checkpoint {}: {}; {} curves before this are safe, free space "
+                      "and run the same command again",
+                      path_.string(), std::strerror(n < 0 ? errno : ENOSPC), curves_.size()));
     done += static_cast<std::size_t>(n);
   }
   ::fdatasync(descriptor_);

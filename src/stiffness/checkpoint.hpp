@@ -24,10 +24,8 @@ class Fingerprint {
   void add(std::span<const std::byte> bytes);
   void add(const std::string& text);
   template <class T>
-    requires std::is_trivially_copyable_v<T>
-  void add(std::span<const T> values) {
-    add(std::as_bytes(values));
-  }
+  requires std::is_trivially_copyable_v<T>
+  void add(std::span<const T> values) { add(std::as_bytes(values)); }
   void add(double value) { add(std::as_bytes(std::span(&value, 1))); }
   [[nodiscard]] std::uint64_t value() const { return hash_; }
 

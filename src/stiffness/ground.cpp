@@ -84,8 +84,7 @@ std::uint64_t Ground::fingerprint() const {
     for (const SkinRegion r : head.region) f.add(static_cast<double>(r));
   }
   for (const TissueLayer& l : t.layers)
-    for (const double x :
-         {l.share, l.youngs_modulus, l.poissons_ratio, static_cast<double>(l.law)})
+    for (const double x : {l.share, l.youngs_modulus, l.poissons_ratio, static_cast<double>(l.law)})
       f.add(x);
   return f.value();
 }

@@ -28,9 +28,9 @@ struct Ground {
   surface::SurfaceQuery skin, bone;
   SamplingLimits limits;
   Flesh flesh;
-  std::vector<double> forces;          ///< [N] ascending
-  std::vector<Spot> spots;             ///< in the order of first appearance
-  std::vector<std::int32_t> spot_of;   ///< per point asked for
+  std::vector<double> forces;         ///< [N] ascending
+  std::vector<Spot> spots;            ///< in the order of first appearance
+  std::vector<std::int32_t> spot_of;  ///< per point asked for
 
   /// Step 1 of the sweep: looks around every point.
   Ground(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,

@@ -22,13 +22,11 @@ constexpr double kFirstLayerShare = 0.31;  // [-] of the tool's radius: thickest
 /// per cent off, but off alike at like places (docs/method/sweep.md).
 PatchRule coarse_rule(double tool_radius) {
   PatchRule rule;
-  rule.rings = {{0.375 * tool_radius, 6},
-                {0.875 * tool_radius, 8},
-                {1.625 * tool_radius, 8},
-                {3.0 * tool_radius, 8},
-                {kDomainPerTool * tool_radius, 6}};
+  rule.rings = {{0.3125 * tool_radius, 6}, {0.6875 * tool_radius, 8},
+                {1.125 * tool_radius, 8},  {2.0 * tool_radius, 8},
+                {3.5 * tool_radius, 6},    {kDomainPerTool * tool_radius, 6}};
   rule.layers = 1;
-  rule.touch_radius = 1.65 * tool_radius;
+  rule.touch_radius = 1.6 * tool_radius;
   rule.hold_rim = false;
   return rule;
 }
@@ -108,20 +106,17 @@ class Presser {
     std::vector<fem::lanes::BatchPatch> patches;
     std::vector<PatchGeometry> geometry;
     for (const std::int32_t site : sites) {
-      const PatchGeometry g =
-          sample_patch(kind.tissue.columns, radius(), ground_.spots[site].frame, ground_.skin,
-                       ground_.bone, ground_.limits);
-      patches.push_back(
-          {patch_nodes(kind.tissue, g, first_layer(radius()), kind.levels),
-           ground_.flesh.moduli(kind.tissue, g),
-           fem::default_penalty(ground_.flesh.surface_modulus(g), radius())});
+      const PatchGeometry g = sample_patch(kind.tissue.columns, radius(), ground_.spots[site].frame,
+                                           ground_.skin, ground_.bone, ground_.limits);
+      patches.push_back({patch_nodes(kind.tissue, g, first_layer(radius()), kind.levels),
+                         ground_.flesh.moduli(kind.tissue, g),
+                         fem::default_penalty(ground_.flesh.surface_modulus(g), radius())});
       geometry.push_back(g);
     }
     std::vector<SiteCurve> curves(count);
     if (batched_) curves = press_lanes(kind, patches, workspace);
     for (int i = 0; i < count; ++i)
-      if (curves[i].travel.empty() && (level_ == SolveLevel::full || !batched_))
-        curves[i] = press_in_double(kind, patches[i], geometry[i]);
+      if (curves[i].travel.empty()) curves[i] = press_in_double(kind, patches[i], geometry[i]);
     store_.put(level_, sites, curves);
   }
 
@@ -132,8 +127,7 @@ class Presser {
       workspace = std::make_unique<fem::lanes::BatchPress>(kind.tissue.topology, kind.plan,
                                                            fem::lanes::best_instruction_set());
     std::vector<SiteCurve> curves;
-    for (fem::lanes::LaneCurve& lane :
-         workspace->press(patches, radius(), kind.forces, kind.rings))
+    for (fem::lanes::LaneCurve& lane : workspace->press(patches, radius(), kind.forces, kind.rings))
       curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch,
                         lane.iterations, lane.shifts, 0});
     return curves;

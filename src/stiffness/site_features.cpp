@@ -61,8 +61,7 @@ class SkinDisk {
     for (const std::int32_t t : queue_) seen_[t] = mark;
     for (std::size_t i = 0; i < queue_.size(); ++i) {
       const std::int32_t now = queue_[i];
-      const double q =
-          1 - (center_[now] - skin_.points[point]).squaredNorm() / (radius_ * radius_);
+      const double q = 1 - (center_[now] - skin_.points[point]).squaredNorm() / (radius_ * radius_);
       if (q <= 0) continue;
       visit(now, q * q);
       for (const std::int32_t v : skin_.triangles[now])

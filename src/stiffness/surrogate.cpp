@@ -71,8 +71,7 @@ Surrogate::Surrogate(const Ground& ground, const Checkpoint& store,
   for (Eigen::Index i = 0; i < n; ++i) {
     const SiteCurve& full = *store.find(SolveLevel::full, good[i]);
     inputs.shape.row(i) = shapes[i];
-    inputs.position.row(i) =
-        ground.spots[good[i]].frame.origin / ground.options.tool_radius;
+    inputs.position.row(i) = ground.spots[good[i]].frame.origin / ground.options.tool_radius;
     inputs.guess.row(i) = guesses[i];
     travel.row(i) = Eigen::Map<const Eigen::VectorXd>(full.travel.data(), loads);
     const auto rings = static_cast<Eigen::Index>(full.sunk.size()) / loads;

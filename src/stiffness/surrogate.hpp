@@ -22,9 +22,7 @@ class Surrogate {
   /// Nothing where the coarse press failed.
   [[nodiscard]] std::optional<CurveBlend::Curve> at(std::int32_t spot) const;
   /// Relative errors of leaving each site out: sites x loads.
-  [[nodiscard]] const Eigen::MatrixXd& left_out_errors() const {
-    return blend_->left_out_errors();
-  }
+  [[nodiscard]] const Eigen::MatrixXd& left_out_errors() const { return blend_->left_out_errors(); }
 
  private:
   /// What the blend sees of a spot; false where the coarse press failed.

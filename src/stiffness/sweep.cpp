@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // 1. Look around every point: normal, depth, features, status (ground.cpp).
 // 2. Choose sites by farthest-point sampling of the features.
-// 3. Press everything coarsely, the sites in full (press_sites.cpp); both go through the checkpoint.
+// 3. Press everything coarsely, the sites in full (press_sites.cpp); both go through the
+// checkpoint.
 // 4. Learn the full curves from the coarse ones (surrogate.cpp); press in full where the predicted
 //    error is above the bound.
 #include "stiffness/sweep.hpp"
@@ -24,7 +25,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // (docs/method/sweep.md).
 constexpr double kDiscretisationError = 0.02;
 constexpr int kFastSites = 300;  // more halves the error only at four times as many
-constexpr double kToolPerHead = 0.25;  // [-] a tool above this share of the head's size feels a head
+constexpr double kToolPerHead =
+    0.25;  // [-] a tool above this share of the head's size feels a head
 
 void check(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
            const SweepOptions& o) {
@@ -172,7 +174,8 @@ StiffnessMap map_of(const Ground& ground, const SkinPoints& points, const std::v
   map.region = points.region;
   map.dents.force = ground.forces[dent_load(ground.forces)];
   map.dents.radii.push_back(0);
-  for (const Ring& r : rule_for_depth(0, map.tool_radius).rings) map.dents.radii.push_back(r.radius);
+  for (const Ring& r : rule_for_depth(0, map.tool_radius).rings)
+    map.dents.radii.push_back(r.radius);
   const std::size_t rings = map.dents.radii.size();
   map.dents.share.assign(n * rings, kNan);
   for (std::size_t p = 0; p < n; ++p) {
@@ -241,7 +244,8 @@ Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& po
   const bool coarse = options.mode == SweepMode::fast && sites.size() < tissue.size();
   constexpr double kCoarseWork = 0.1;  // [-] of a full press
   const double coarse_work = coarse ? kCoarseWork * static_cast<double>(tissue.size()) : 0;
-  const double middle = 0.04 + 0.91 * coarse_work / (coarse_work + static_cast<double>(sites.size()));
+  const double middle =
+      0.04 + 0.91 * coarse_work / (coarse_work + static_cast<double>(sites.size()));
   if (coarse)
     press_sites(ground, SolveLevel::coarse, tissue, shard, *store, progress, 0.04, middle);
   press_sites(ground, SolveLevel::full, sites, shard, *store, progress, middle, 0.95);

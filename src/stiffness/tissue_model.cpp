@@ -15,11 +15,11 @@ constexpr double kMostShareError = 1e-6;  // [-] the shares of the layers sum to
 
 void check_elastic(const std::string& where, double youngs_modulus, double poissons_ratio) {
   if (!(youngs_modulus > 0) || !std::isfinite(youngs_modulus))
-    throw InputError(fmt::format("{}: youngs_modulus_kpa is {}; it must be > 0", where,
-                                 youngs_modulus * 1e3));
+    throw InputError(
+        fmt::format("{}: youngs_modulus_kpa is {}; it must be > 0", where, youngs_modulus * 1e3));
   if (!(poissons_ratio >= 0 && poissons_ratio < 0.5))
-    throw InputError(fmt::format("{}: poissons_ratio is {}; it must be in [0, 0.5)", where,
-                                 poissons_ratio));
+    throw InputError(
+        fmt::format("{}: poissons_ratio is {}; it must be in [0, 0.5)", where, poissons_ratio));
 }
 
 std::shared_ptr<const fem::EnergyDensity> law_of(TissueLaw law, const fem::LameModuli& moduli) {
@@ -149,8 +149,7 @@ std::vector<std::shared_ptr<const fem::EnergyDensity>> Flesh::laws(const PatchTe
       const TissueLayer& l = model_.layers[tissue_layer(e, t.rule.layers)];
       of_layer.push_back(law_of(l.law, fem::lame_moduli(l.youngs_modulus, l.poissons_ratio)));
     }
-    const int tets =
-        static_cast<int>(t.topology.tets.size()) / fem::tet_nodes(t.topology.order);
+    const int tets = static_cast<int>(t.topology.tets.size()) / fem::tet_nodes(t.topology.order);
     for (int tet = 0; tet < tets; ++tet) out.push_back(of_layer[t.element_layer(tet)]);
     return out;
   }

@@ -29,8 +29,8 @@ struct TissueModel {
   std::string name = "published";
   std::string source = "Human Head Stiffness Rendering, University of Ottawa 2015, Table 4.2";
   TissueKind kind = TissueKind::uniform;
-  double youngs_modulus = 0.045658;  ///< [MPa] uniform; and where a region has no figure; > 0
-  double poissons_ratio = 0.43;      ///< [-] 0 <= nu < 0.5; uniform and regional
+  double youngs_modulus = 0.045658;        ///< [MPa] uniform; and where a region has no figure; > 0
+  double poissons_ratio = 0.43;            ///< [-] 0 <= nu < 0.5; uniform and regional
   TissueLaw law = TissueLaw::neo_hookean;  ///< uniform and regional
   /// [MPa] by skin region; 0: `youngs_modulus`. Regional only.
   std::array<double, kSkinRegionNames.size()> by_region{};
@@ -68,8 +68,8 @@ class Flesh {
   [[nodiscard]] int tissue_layer(int element_layer, int layers) const;
 
   TissueModel model_;
-  std::vector<Triangle> triangles_;   // regional: of the working skin
-  std::vector<double> log_modulus_;   // regional: per point of the working skin, ln MPa
+  std::vector<Triangle> triangles_;  // regional: of the working skin
+  std::vector<double> log_modulus_;  // regional: per point of the working skin, ln MPa
 };
 
 }  // namespace palpate::stiffness

@@ -83,8 +83,8 @@ StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head, const Sk
     if (!out.has_curve(p)) continue;
     const bool same = (point - head.skin.points[corner[nearest]]).norm() <= kSamePoint;
     if (!same) out.status[p] = VertexStatus::blended;
-    out.method[p] = same && !map.method.empty() ? map.method[corner[nearest]]
-                                                : SolveMethod::surrogate;
+    out.method[p] =
+        same && !map.method.empty() ? map.method[corner[nearest]] : SolveMethod::surrogate;
     mix(map, corner, same ? Vec3(Vec3::Unit(nearest)) : at.barycentric, out, p);
   }
   return out;

@@ -70,7 +70,8 @@ class CommandLine : public testing::Test {
 };
 
 TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
-  const std::vector<std::string> common = {"build",  kHead.string(), "--sites",    "40",
+  const std::vector<std::string> common = {"build",  kHead.string(), "--mode",
+                                           "exact",  "--sites",      "40",
                                            "--json", "--quiet",      "--no-report"};
   std::vector<json> described;
   for (const std::string threads : {"1", "2"}) {
@@ -98,6 +99,9 @@ TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
   };
   EXPECT_TRUE(same_bits(one.map.displacement, two.map.displacement));
   EXPECT_EQ(one.skull.points, two.skull.points);
+  EXPECT_EQ(one.map.method, two.map.method);
+  EXPECT_TRUE(same_bits(one.map.dents.share, two.map.dents.share));
+  EXPECT_EQ(one.provenance["options"]["tissue_model"]["youngs_modulus_kpa"], 45.658);
 
   const json& head = described[0];
   EXPECT_EQ(head["provenance"]["fit"]["outside_count"], 0);
@@ -112,8 +116,8 @@ TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
 }
 
 TEST_F(CommandLine, PrintsLandmarksInTheScansOwnNumbersAndTakesTheUsersOwn) {
-  const Outcome run =
-      palpate({"landmarks", kHead.string(), "--json", "--quiet", "--landmark", "nose_tip=0.5,-20,106"});
+  const Outcome run = palpate(
+      {"landmarks", kHead.string(), "--json", "--quiet", "--landmark", "nose_tip=0.5,-20,106"});
   ASSERT_EQ(run.code, 0) << run.err;
   const json result = json::parse(run.out);
   EXPECT_EQ(result["unit_mm"], 1.0);
@@ -126,6 +130,10 @@ TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
   write_file(folder / "cut.ply", read_file(kHead).substr(0, 100000));
   write_file(folder / "lies.stl", read_file(kHead));
   write_file(folder / "bad.toml", "sites = 40\nsitez = 3\n");
+  write_file(folder / "key.toml",
+             "model = \"uniform\"\nsource = \"x\"\nyoungs_modulus = 3\npoissons_ratio = 0.4\n");
+  write_file(folder / "soft.toml",
+             "model = \"uniform\"\nsource = \"x\"\nyoungs_modulus_kpa = 0\npoissons_ratio = 0.4\n");
   write_file(folder / "cube.off",
              "OFF\n8 12 0\n0 0 0\n200 0 0\n200 200 0\n0 200 0\n0 0 200\n200 0 200\n200 200 200\n0 "
              "200 200\n"
@@ -141,6 +149,13 @@ TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
       {{"build", kHead.string(), "-o", path("no/such/folder/head.glb"), "--quiet"}, 4},
       {{"build", kHead.string(), "-o", out, "--config", path("bad.toml")}, 2},
       {{"build", kHead.string(), "-o", out, "--sites", "many"}, 2},
+      {{"build", kHead.string(), "-o", out, "--tissue-model", path("key.toml")}, 2},
+      {{"build", kHead.string(), "-o", out, "--tissue-model", path("soft.toml")}, 2},
+      {{"build", kHead.string(), "-o", out, "--tissue-model", "regional", "--poissons-ratio",
+        "0.4"},
+       2},
+      {{"sweep", kHead.string(), "--shard", "3/2", "--checkpoint", path("c")}, 2},
+      {{"sweep", kHead.string(), "--shard", "1/2"}, 2},
       {{"build", kHead.string(), "-o", out, "--landmark", "nose_tip=1;2;3"}, 2},
       {{"inspect", kHead.string()}, 2},
       {{"sculpt"}, 2},
@@ -153,6 +168,37 @@ TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
     EXPECT_FALSE(fs::exists(out));
   }
   EXPECT_NE(palpate(cases[6].first).err.find("bad.toml:2"), std::string::npos);
+  EXPECT_NE(palpate(cases[8].first).err.find("key.toml:3"), std::string::npos);
+  EXPECT_NE(palpate(cases[9].first).err.find("youngs_modulus_kpa is 0"), std::string::npos);
+}
+
+TEST_F(CommandLine, KilledInTheSweepItGoesOnToTheSameBytes) {
+  ASSERT_EQ(palpate({"fit", kHead.string(), "-o", path("skull.ply"), "--quiet"}).code, 0);
+  const auto words = [&](const std::string& out) {
+    return std::vector<std::string>{
+        "sweep", kHead.string(), "--skull", path("skull.ply"), "--mode", "exact",  "--sites",
+        "48",    "--loads",      "2",       "--quiet",         "-o",     path(out)};
+  };
+  ASSERT_EQ(palpate(words("whole.glb")).code, 0);
+  auto kept = words("resumed.glb");
+  kept.insert(kept.end(), {"--checkpoint", path("run.sweep")});
+  constexpr std::uintmax_t kOneBatch = 1000;  // bytes: the header alone has 36
+  const pid_t child = start(kept);
+  while (waitpid(child, nullptr, WNOHANG) == 0) {
+    std::error_code absent;
+    if (const auto size = fs::file_size(folder / "run.sweep", absent);
+        !absent && size > kOneBatch) {
+      kill(child, SIGKILL);
+      waitpid(child, nullptr, 0);
+      break;
+    }
+    std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  }
+  EXPECT_FALSE(fs::exists(folder / "resumed.glb"));
+  const Outcome resumed = palpate(kept);
+  ASSERT_EQ(resumed.code, 0) << resumed.err;
+  EXPECT_EQ(io::head_bytes_without_run(read_file(folder / "resumed.glb"), "resumed"),
+            io::head_bytes_without_run(read_file(folder / "whole.glb"), "whole"));
 }
 
 TEST_F(CommandLine, StopsOnInterruptAndLeavesNothing) {

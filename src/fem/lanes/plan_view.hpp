@@ -11,7 +11,8 @@ namespace palpate::fem::lanes {
 
 inline constexpr int kLanes = 16;
 inline constexpr int kTetNodes = 10, kFaceNodes = 6, kTetPairs = 55, kFacePairs = 21;
-/// A straight-sided tetrahedron: four barycentric gradients, the volume, lambda and mu of its tissue.
+/// A straight-sided tetrahedron: four barycentric gradients, the volume, lambda and mu of its
+/// tissue.
 inline constexpr int kTetGeometry = 15;
 
 /// Columns [first, first + width) of the factor in elimination order, as a dense row-major panel of
