@@ -165,6 +165,7 @@ void Checkpoint::take(SolveLevel level, std::string_view payload) {
     const auto site = c.take<std::int32_t>();
     SiteCurve curve;
     curve.method = c.take<SolveMethod>();
+    curve.bent = c.take<std::uint8_t>() != 0;
     curve.iterations = c.take<std::int32_t>();
     curve.projections = c.take<std::int32_t>();
     curve.residual = c.take<double>();
@@ -195,6 +196,7 @@ void Checkpoint::put(SolveLevel level, std::span<const std::int32_t> sites,
     const SiteCurve& c = curves[i];
     append_bytes(payload, sites[i]);
     append_bytes(payload, c.method);
+    append_bytes(payload, static_cast<std::uint8_t>(c.bent));
     append_bytes(payload, static_cast<std::int32_t>(c.iterations));
     append_bytes(payload, static_cast<std::int32_t>(c.projections));
     append_bytes(payload, c.residual);

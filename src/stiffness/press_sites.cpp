@@ -116,7 +116,8 @@ class Presser {
     std::vector<SiteCurve> curves(count);
     if (batched_) curves = press_lanes(kind, patches, workspace);
     for (int i = 0; i < count; ++i)
-      if (curves[i].travel.empty()) curves[i] = press_in_double(kind, patches[i], geometry[i]);
+      if (!deepens(curves[i].travel)) curves[i] = press_in_double(kind, patches[i], geometry[i]);
+    for (int i = 0; i < count; ++i) curves[i].bent = geometry[i].bent > 0;
     store_.put(level_, sites, curves);
   }
 
@@ -128,7 +129,7 @@ class Presser {
                                                            fem::lanes::best_instruction_set());
     std::vector<SiteCurve> curves;
     for (fem::lanes::LaneCurve& lane : workspace->press(patches, radius(), kind.forces, kind.rings))
-      curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch,
+      curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch, false,
                         lane.iterations, lane.shifts, 0});
     return curves;
   }

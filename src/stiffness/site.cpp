@@ -32,6 +32,15 @@ void note_rings(const std::vector<std::vector<std::int32_t>>& rings, const fem::
 
 }  // namespace
 
+bool deepens(std::span<const double> travel) {
+  double last = 0;
+  for (const double u : travel) {
+    if (!(u > last)) return false;
+    last = u;
+  }
+  return !travel.empty();
+}
+
 std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t) {
   std::vector<std::vector<std::int32_t>> rings(t.rule.rings.size() + 1);
   for (std::size_t c = 0; c < t.columns.size(); ++c)
@@ -39,20 +48,19 @@ std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t) {
   return rings;
 }
 
-SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
+SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nodes,
                      std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
                      const Tool& press_tool, std::span<const double> forces,
-                     fem::Cholesky& cholesky) {
+                     const std::vector<std::vector<std::int32_t>>& rings, fem::Cholesky& cholesky) {
   const Vec3 axis = -Vec3::UnitZ();
   fem::Indenter tool;
   tool.radius = press_tool.radius;
   tool.penalty = press_tool.penalty;
   tool.axis = axis;
-  tool.start = axis * fem::first_contact(t.topology.contact_faces, t.topology.order, nodes,
+  tool.start = axis * fem::first_contact(topology.contact_faces, topology.order, nodes,
                                          Vec3::Zero(), axis, tool.radius);
-  const fem::ElasticBody body(t.topology, nodes, std::move(laws));
-  const fem::Contact contact(t.topology, nodes, tool);
-  const auto rings = skin_rings(t);
+  const fem::ElasticBody body(topology, nodes, std::move(laws));
+  const fem::Contact contact(topology, nodes, tool);
   SiteCurve out;
   out.method = SolveMethod::in_double;
   for (int splits = 0; splits <= kMostSplits && out.travel.empty(); ++splits) {
@@ -60,14 +68,20 @@ SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
     out.iterations += curve.iterations;
     out.projections += curve.projections;
     out.residual = curve.residual;
-    if (!curve.complete) continue;
+    if (!curve.complete || !deepens(curve.travel)) continue;
     const std::size_t parts = std::size_t{1} << splits;
     for (std::size_t i = parts - 1; i < curve.travel.size(); i += parts) {
       out.travel.push_back(curve.travel[i]);
-      note_rings(rings, t.topology, curve.states[i], out.sunk);
+      note_rings(rings, topology, curve.states[i], out.sunk);
     }
   }
   return out;
+}
+
+SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
+                     std::vector<std::shared_ptr<const fem::EnergyDensity>> laws, const Tool& tool,
+                     std::span<const double> forces, fem::Cholesky& cholesky) {
+  return press_body(t.topology, nodes, std::move(laws), tool, forces, skin_rings(t), cholesky);
 }
 
 }  // namespace palpate::stiffness

@@ -13,6 +13,7 @@
 #include <cmath>
 #include <limits>
 
+#include "stiffness/fallback.hpp"
 #include "stiffness/press_sites.hpp"
 #include "stiffness/sites.hpp"
 #include "stiffness/surrogate.hpp"
@@ -100,9 +101,14 @@ Row row_of(const SiteCurve& full, std::span<const double> forces) {
 /// Step 4: rows of all spots that were not pressed in full; those above the bound are, now.
 class Filler {
  public:
-  Filler(const Ground& ground, Checkpoint& store, const std::vector<std::int32_t>& tissue,
-         Sweep& out)
-      : ground_(ground), store_(store), tissue_(tissue), out_(out), rows_(ground.spots.size()) {
+  Filler(const Ground& ground, const SkullFit& skull, Checkpoint& store,
+         const std::vector<std::int32_t>& tissue, Sweep& out)
+      : ground_(ground),
+        skull_(skull),
+        store_(store),
+        tissue_(tissue),
+        out_(out),
+        rows_(ground.spots.size()) {
     for (std::size_t s = 0; s < rows_.size(); ++s) rows_[s].status = ground.spots[s].status;
   }
 
@@ -114,10 +120,43 @@ class Filler {
       take(promoted);
       out_.statistics["sites_promoted"] = static_cast<double>(promoted.size());
     }
+    fall_back(progress);
     return std::move(rows_);
   }
 
  private:
+  /// What failed on its patch, and in exact mode what no height field describes, on a piece of the
+  /// head's own tetrahedra.
+  void fall_back(const Progress& progress) {
+    std::vector<std::int32_t> wanted;
+    double bent = 0;
+    for (const std::int32_t s : tissue_) {
+      const SiteCurve* full = store_.find(SolveLevel::full, s);
+      if (!full) continue;
+      bent += full->bent;
+      if (full->travel.empty() || (full->bent && ground_.options.mode == SweepMode::exact))
+        wanted.push_back(s);
+    }
+    out_.statistics["sites_with_clamped_skin"] = bent;
+    press_pieces(ground_, skull_, wanted, store_, progress, out_.warnings);
+    double solved = 0, failed = 0;
+    for (const std::int32_t s : wanted) {
+      const SiteCurve* piece = store_.find(SolveLevel::unstructured, s);
+      if (piece && !piece->travel.empty()) {
+        rows_[s] = row_of(*piece, ground_.forces);
+        ++solved;
+      }
+      failed += rows_[s].status == VertexStatus::failed;
+    }
+    out_.statistics["sites_unstructured"] = solved;
+    out_.statistics["sites_failed"] = failed;
+    if (failed > 0)
+      out_.warnings.push_back(fmt::format(
+          "{} sites did not converge, not even on a piece of the tissue mesh; they have "
+          "no curve",
+          failed));
+  }
+
   void take(const std::vector<std::int32_t>& sites) {
     for (const std::int32_t s : sites)
       rows_[s] = row_of(*store_.find(SolveLevel::full, s), ground_.forces);
@@ -159,6 +198,7 @@ class Filler {
   }
 
   const Ground& ground_;
+  const SkullFit& skull_;
   Checkpoint& store_;
   const std::vector<std::int32_t>& tissue_;
   Sweep& out_;
@@ -202,13 +242,10 @@ void summarise(const Checkpoint& store, const std::vector<std::int32_t>& sites, 
   }
   const double count = static_cast<double>(std::max<std::size_t>(1, sites.size()));
   out.statistics["sites"] = static_cast<double>(sites.size());
-  out.statistics["sites_failed"] = failed;
   out.statistics["sites_in_double_precision"] = in_double;
   out.statistics["newton_steps_per_site"] = iterations / count;
   out.statistics["projected_steps_per_site"] = projections / count;
-  if (failed > 0)
-    out.warnings.push_back(
-        fmt::format("{} of {} sites did not converge; they have no curve", failed, sites.size()));
+  out.statistics["sites_failed"] = failed;
 }
 
 void count_points(Sweep& out) {
@@ -256,7 +293,7 @@ Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& po
     return out;
   }
 
-  const std::vector<Row> rows = Filler(ground, *store, tissue, out).run(sites, progress);
+  const std::vector<Row> rows = Filler(ground, skull, *store, tissue, out).run(sites, progress);
   out.map = map_of(ground, points, rows);
   count_points(out);
   return out;

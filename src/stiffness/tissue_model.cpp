@@ -109,6 +109,19 @@ double Flesh::modulus_at(const SkinSpot& spot) const {
   return std::exp(log_sum);
 }
 
+std::shared_ptr<const fem::EnergyDensity> Flesh::law_at(const SkinSpot& spot) const {
+  if (model_.kind != TissueKind::layered) {
+    const double e = model_.kind == TissueKind::regional ? modulus_at(spot) : model_.youngs_modulus;
+    return law_of(model_.law, fem::lame_moduli(e, model_.poissons_ratio));
+  }
+  double compliance = 0, nu = 0;
+  for (const TissueLayer& l : model_.layers) {
+    compliance += l.share / l.youngs_modulus;
+    nu += l.share * l.poissons_ratio;
+  }
+  return law_of(model_.layers.front().law, fem::lame_moduli(1 / compliance, nu));
+}
+
 double Flesh::surface_modulus(const PatchGeometry& g) const {
   if (model_.kind == TissueKind::layered) return model_.layers.front().youngs_modulus;
   return model_.kind == TissueKind::regional ? modulus_at(g.spot[0]) : model_.youngs_modulus;

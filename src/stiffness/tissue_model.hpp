@@ -60,6 +60,9 @@ class Flesh {
   /// The laws of a patch, likewise.
   [[nodiscard]] std::vector<std::shared_ptr<const fem::EnergyDensity>> laws(
       const PatchTemplate& t, const PatchGeometry& g) const;
+  /// One law for the whole depth at a spot of the skin, for pieces without layers of their own: a
+  /// layered tissue counts as its layers in series.
+  [[nodiscard]] std::shared_ptr<const fem::EnergyDensity> law_at(const SkinSpot& spot) const;
   /// [MPa] of what lies right under the skin at the patch's middle: scales the contact's penalty.
   [[nodiscard]] double surface_modulus(const PatchGeometry& g) const;
 

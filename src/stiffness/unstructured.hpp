@@ -1,0 +1,41 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// The press where the skin under the tool is no height field (a fold, the edge of an ear or a lip):
+// on a piece cut out of the head's own tetrahedra, refined towards the tool.
+#pragma once
+#include "core/tissue_mesh.hpp"
+#include "stiffness/site.hpp"
+
+namespace palpate::stiffness {
+
+/// A piece of the head in a site's frame, quadratic.
+struct LocalBody {
+  fem::TetMesh mesh;
+  std::vector<std::uint8_t> held;  ///< one per node
+  fem::FaceList touchable;         ///< skin faces that the tool may meet
+};
+
+/// Cuts pieces out of one tissue mesh; made once per head.
+class TissueCutter {
+ public:
+  /// @param tissue  must outlive the object
+  explicit TissueCutter(const TissueMesh& tissue);
+
+  /// Flesh connected to the skin at the site within four tool radii of it. Edges longer than a
+  /// third of the tool's radius under the tool, growing with the distance, are bisected, the
+  /// longest first, with all tetrahedra around them: conforming at every step.
+  /// @throws SolveError  where no flesh lies at the site
+  [[nodiscard]] LocalBody cut(const SiteFrame& frame, double tool_radius) const;
+
+ private:
+  const TissueMesh& tissue_;
+  std::vector<std::vector<std::int32_t>> tets_of_;  // flesh tets per node
+};
+
+/// Sphere from first contact along the inward normal, in double precision.
+/// @param ring_radii  [mm] where dents are measured
+[[nodiscard]] SiteCurve press_unstructured(const LocalBody& body,
+                                           std::shared_ptr<const fem::EnergyDensity> law,
+                                           const Tool& tool, std::span<const double> forces,
+                                           std::span<const double> ring_radii);
+
+}  // namespace palpate::stiffness
