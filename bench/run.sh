@@ -8,6 +8,8 @@ for program in "$build"/bench/bench_*; do
   echo "== $(basename "$program")"
   "$program"
 done
-echo "== heads"
 python=/usr/bin/python3
+echo "== fast against exact"
+"$python" "$(dirname "$0")/held_out.py" "$build/palpate" "$build/bench-held-out"
+echo "== heads"
 "$python" "$(dirname "$0")/heads.py" "$build/palpate" "$build/bench-heads"
