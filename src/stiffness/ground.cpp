@@ -42,7 +42,7 @@ Ground::Ground(const HeadSurface& h, const SkullFit& skull, const SkinPoints& po
         known.try_emplace({at.x(), at.y(), at.z()}, static_cast<std::int32_t>(position.size()));
     if (fresh) {
       position.push_back(at);
-      spots.push_back({{}, points.region[p], {}, kNan, {}});
+      spots.push_back({{}, points.region[p], VertexStatus::no_bone, kNan, {}});
     }
     spot_of.push_back(entry->second);
   }

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What the flesh is made of: one modulus everywhere, one by facial region, or layers of the depth.
-// Which of them is the default, and why: docs/decisions/0004-tissue-model.md.
+// Which of them is the default, and why: docs/decisions/0005-tissue-model.md.
 #pragma once
 #include <array>
 #include <memory>
