@@ -60,7 +60,8 @@ TEST(PublishedTables, GroupsOfStiffnessRatingsCombineToTheirTotals) {
       {"Jaw", 5.571, 2.09, 4.806, 1.742, 5.020, 1.834},
   }};
   for (const Row& r : rows) {
-    const Moments all = combined(std::array{Moments{7, r.mean7, r.sd7}, Moments{18, r.mean18, r.sd18}});
+    const Moments all =
+        combined(std::array{Moments{7, r.mean7, r.sd7}, Moments{18, r.mean18, r.sd18}});
     EXPECT_EQ(all.n, 25U);
     EXPECT_NEAR(all.mean, r.mean25, kRounding) << r.region;
     EXPECT_NEAR(all.sd, r.sd25, kRounding) << r.region;

@@ -129,8 +129,10 @@ TEST(AgainstSciPyAndR, EveryStatisticAndPOfAThousandDataSets) {
   EXPECT_GT(tied, 400U);
   EXPECT_GT(exact, 100U);
   RecordProperty("worst", std::to_string(worst));
-  std::printf("%zu values compared, worst relative difference %.1e (%s); %zu sets with ties or large, %zu exact\n",
-              compared, worst, worst_name.c_str(), tied, exact);
+  std::printf(
+      "%zu values compared, worst relative difference %.1e (%s); %zu sets with ties or large, %zu "
+      "exact\n",
+      compared, worst, worst_name.c_str(), tied, exact);
 }
 
 TEST(AgainstSciPyAndR, WeberFractionAndItsInterval) {
@@ -140,10 +142,9 @@ TEST(AgainstSciPyAndR, WeberFractionAndItsInterval) {
     for (std::size_t i = 0; i < run["level"].size(); ++i)
       choices.push_back({run["level"][i].get<double>(), run["correct"][i].get<int>() == 1});
     const PsychometricFit fit = fit_weber_fraction(choices);
-    for (const auto& [value, wanted] :
-         {std::pair{fit.weber_fraction, run["w"].get<double>()},
-          std::pair{fit.interval.low, run["low"].get<double>()},
-          std::pair{fit.interval.high, run["high"].get<double>()}}) {
+    for (const auto& [value, wanted] : {std::pair{fit.weber_fraction, run["w"].get<double>()},
+                                        std::pair{fit.interval.low, run["low"].get<double>()},
+                                        std::pair{fit.interval.high, run["high"].get<double>()}}) {
       EXPECT_LE(apart(value, wanted), kTolerance);
       worst = std::max(worst, apart(value, wanted));
     }

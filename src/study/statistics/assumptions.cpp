@@ -27,8 +27,10 @@ double polynomial(const std::array<double, N>& c, double x) {
 }
 
 // Royston 1995, table 1.
-constexpr std::array<double, 6> kOuterWeight = {0, .221157, -.147981, -2.07119, 4.434685, -2.706056};
-constexpr std::array<double, 6> kSecondWeight = {0, .042981, -.293762, -1.752461, 5.682633, -3.582633};
+constexpr std::array<double, 6> kOuterWeight = {0,        .221157,  -.147981,
+                                                -2.07119, 4.434685, -2.706056};
+constexpr std::array<double, 6> kSecondWeight = {0,         .042981,  -.293762,
+                                                 -1.752461, 5.682633, -3.582633};
 constexpr std::array<double, 2> kSmallBound = {-2.273, .459};
 constexpr std::array<double, 4> kSmallMean = {.544, -.39978, .025054, -6.714e-4};
 constexpr std::array<double, 4> kSmallLogSd = {1.3822, -.77857, .062767, -.0020322};
@@ -42,7 +44,8 @@ std::vector<double> weights(std::size_t n) {
   std::vector<double> score(half);
   double squares = 0;
   for (std::size_t i = 0; i < half; ++i) {
-    score[i] = -normal_quantile((static_cast<double>(i) + 1 - 0.375) / (static_cast<double>(n) + 0.25));
+    score[i] =
+        -normal_quantile((static_cast<double>(i) + 1 - 0.375) / (static_cast<double>(n) + 0.25));
     squares += 2 * score[i] * score[i];
   }
   const double root = 1 / std::sqrt(static_cast<double>(n)), length = std::sqrt(squares);

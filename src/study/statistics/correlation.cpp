@@ -24,7 +24,8 @@ struct Products {
 
 Products products(std::span<const double> x, std::span<const double> y) {
   if (x.size() != y.size())
-    throw InputError(fmt::format("correlated samples differ in length: {} and {}", x.size(), y.size()));
+    throw InputError(
+        fmt::format("correlated samples differ in length: {} and {}", x.size(), y.size()));
   Products out;
   for (std::size_t i = 0; i < x.size(); ++i)
     if (std::isfinite(x[i]) && std::isfinite(y[i])) out.x.push_back(x[i]), out.y.push_back(y[i]);

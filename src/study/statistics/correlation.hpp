@@ -9,8 +9,8 @@ namespace palpate::study::statistics {
 
 struct Correlation {
   std::size_t n = 0;
-  double r = 0;  ///< NaN for n < 3 or where one side has no spread
-  double p = 0;  ///< two-sided, by Student's t with n - 2 degrees of freedom
+  double r = 0;         ///< NaN for n < 3 or where one side has no spread
+  double p = 0;         ///< two-sided, by Student's t with n - 2 degrees of freedom
   Interval interval{};  ///< by Fisher's z; NaN for n < 4
 };
 /// Along a straight line. Pairs with a NaN are left out. @throws InputError  lengths differ

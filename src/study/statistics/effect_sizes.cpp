@@ -19,8 +19,8 @@ double cohen_d(const Moments& a, const Moments& b) {
 double hedges_g(const Moments& a, const Moments& b) {
   const double df = static_cast<double>(a.n + b.n) - 2;
   if (!(df > 1)) return kNan;
-  const double unbias = std::exp(std::lgamma(0.5 * df) - std::lgamma(0.5 * (df - 1))) /
-                        std::sqrt(0.5 * df);
+  const double unbias =
+      std::exp(std::lgamma(0.5 * df) - std::lgamma(0.5 * (df - 1))) / std::sqrt(0.5 * df);
   return unbias * cohen_d(a, b);
 }
 

@@ -88,7 +88,7 @@ Kendall kendall(std::span<const double> a_values, std::span<const double> b_valu
     }
   const TieSums a = tie_sums(x.a), b = tie_sums(x.b);
   const double pairs = static_cast<double>(n) * (static_cast<double>(n) - 1);
-  const double scale = std::sqrt(pairs - a.pairs) * std::sqrt(pairs - b.pairs);
+  const double scale = std::sqrt((pairs - a.pairs) * (pairs - b.pairs));
   if (n < 2 || !(scale > 0)) {
     out.tau_b = out.p = out.z = kNan;
     return out;

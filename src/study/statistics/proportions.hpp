@@ -9,8 +9,8 @@ namespace palpate::study::statistics {
 
 struct Proportion {
   std::size_t successes = 0, trials = 0;
-  double share = 0;          ///< NaN for no trials
-  Interval wilson{};         ///< close to the nominal confidence on average
+  double share = 0;            ///< NaN for no trials
+  Interval wilson{};           ///< close to the nominal confidence on average
   Interval clopper_pearson{};  ///< never less than the nominal confidence
 };
 /// @throws InputError  successes > trials

@@ -7,11 +7,13 @@
 
 #include <fmt/format.h>
 
-#include <array>
+#include <algorithm>
 #include <cmath>
 #include <functional>
 #include <limits>
+#include <map>
 #include <numbers>
+#include <vector>
 
 #include "core/error.hpp"
 #include "study/statistics/distributions.hpp"
@@ -24,37 +26,52 @@ constexpr double kZ75 = 0.674489750196081743;  ///< Phi(kZ75) = 0.75
 
 /// [ln w] searched: a ten-thousandth to a hundredfold. What lies outside is reported as unbounded.
 constexpr double kLowest = -9.2, kHighest = 4.6;
-constexpr int kGrid = 240;
+constexpr int kGrid = 60;  ///< steps of 0.23 for shape 1, where one choice's term takes 2 to turn;
+                           ///< a steeper shape is scanned in proportionally finer steps
 /// Exponents searched for the free shape.
+constexpr int kShapeSteps = 25;  ///< leave 3e-5 of ln shape; the likelihood is flat there
 constexpr double kLowestShape = 0.1, kHighestShape = 10;
 
+/// A staircase returns to its levels: their choices are counted once.
+struct Level {
+  double log_level = 0, right = 0, wrong = 0;
+};
+std::vector<Level> levels_of(std::span<const ForcedChoice> choices) {
+  std::map<double, Level> levels;
+  for (const ForcedChoice& c : choices) {
+    Level& level = levels[c.level];
+    level.log_level = std::log(c.level);
+    (c.correct ? level.right : level.wrong) += 1;
+  }
+  std::vector<Level> out;
+  for (const auto& [value, level] : levels) out.push_back(level);
+  return out;
+}
+
 struct Likelihood {
-  std::span<const ForcedChoice> choices;
+  std::vector<Level> levels;
   double lapse, shape;
 
   /// sum of ln P(choice) at ln w = u
   [[nodiscard]] double value(double u) const {
     double sum = 0;
-    for (const ForcedChoice& c : choices) {
-      const double arg = kZ75 * std::exp(shape * (std::log(c.level) - u));
-      const double p = c.correct ? 0.5 * lapse + (1 - lapse) * normal_lower(arg)
-                                 : 0.5 * lapse + (1 - lapse) * normal_upper(arg);
-      sum += std::log(p);
+    for (const Level& at : levels) {
+      const double arg = kZ75 * std::exp(shape * (at.log_level - u));
+      if (at.right > 0) sum += at.right * std::log(0.5 * lapse + (1 - lapse) * normal_lower(arg));
+      if (at.wrong > 0) sum += at.wrong * std::log(0.5 * lapse + (1 - lapse) * normal_upper(arg));
     }
     return sum;
   }
   /// d value / d u: the argument of Phi falls by shape * arg per unit of u.
   [[nodiscard]] double slope(double u) const {
     double sum = 0;
-    for (const ForcedChoice& c : choices) {
-      const double arg = kZ75 * std::exp(shape * (std::log(c.level) - u));
+    for (const Level& at : levels) {
+      const double arg = kZ75 * std::exp(shape * (at.log_level - u));
       const double density =
           std::exp(-0.5 * arg * arg) / std::sqrt(2 * std::numbers::pi) * shape * arg * (1 - lapse);
       if (density == 0) continue;
-      if (c.correct)
-        sum -= density / (0.5 * lapse + (1 - lapse) * normal_lower(arg));
-      else
-        sum += density / (0.5 * lapse + (1 - lapse) * normal_upper(arg));
+      sum -= at.right * density / (0.5 * lapse + (1 - lapse) * normal_lower(arg));
+      if (at.wrong > 0) sum += at.wrong * density / (0.5 * lapse + (1 - lapse) * normal_upper(arg));
     }
     return sum;
   }
@@ -76,14 +93,15 @@ struct Peak {
 };
 
 Peak highest(const Likelihood& l) {
-  const double step = (kHighest - kLowest) / kGrid;
+  const int steps = static_cast<int>(kGrid * std::max(1.0, l.shape));
+  const double step = (kHighest - kLowest) / steps;
   int best = 0;
   Peak out;
-  for (int i = 0; i <= kGrid; ++i)
+  for (int i = 0; i <= steps; ++i)
     if (const double v = l.value(kLowest + i * step); v > out.value) out.value = v, best = i;
   out.u = kLowest + best * step;
   const double a = out.u - step, b = out.u + step;
-  if (best == 0 || best == kGrid || !(l.slope(a) > 0) || !(l.slope(b) < 0)) return out;
+  if (best == 0 || best == steps || !(l.slope(a) > 0) || !(l.slope(b) < 0)) return out;
   out.u = bisect(a, b, [&](double u) { return l.slope(u); });
   out.value = l.value(out.u);
   out.inside = true;
@@ -109,7 +127,7 @@ double best_shape(Likelihood l) {
   double a = std::log(kLowestShape), b = std::log(kHighestShape);
   double c = b - golden * (b - a), d = a + golden * (b - a);
   double at_c = value(c), at_d = value(d);
-  for (int i = 0; i < 40; ++i) {
+  for (int i = 0; i < kShapeSteps; ++i) {
     if (at_c > at_d) {
       b = d, d = c, at_d = at_c;
       c = b - golden * (b - a);
@@ -126,7 +144,8 @@ double best_shape(Likelihood l) {
 void check(std::span<const ForcedChoice> choices, const PsychometricOptions& options) {
   for (std::size_t i = 0; i < choices.size(); ++i)
     if (!(choices[i].level > 0) || !std::isfinite(choices[i].level))
-      throw InputError(fmt::format("forced choice {}: level {} must be above 0", i + 1, choices[i].level));
+      throw InputError(
+          fmt::format("forced choice {}: level {} must be above 0", i + 1, choices[i].level));
   if (!(options.lapse >= 0 && options.lapse < 1))
     throw InputError(fmt::format("lapse {} must be at least 0 and below 1", options.lapse));
   if (!(options.confidence > 0 && options.confidence < 1))
@@ -149,7 +168,7 @@ PsychometricFit fit_weber_fraction(std::span<const ForcedChoice> choices,
   out.interval = {0, std::numeric_limits<double>::infinity()};
   if (choices.empty()) return out;
 
-  Likelihood line{choices, options.lapse, 1};
+  Likelihood line{levels_of(choices), options.lapse, 1};
   const Peak peak = highest(line);
   out.log_likelihood = peak.value;
   out.interval = likelihood_interval(line, peak, options.confidence);

@@ -32,8 +32,8 @@ struct PsychometricFit {
 };
 
 /// P(correct) = lapse/2 + (1 - lapse) Phi(z75 (level/w)^shape), shape = 1: sensitivity proportional
-/// to the difference, Gaussian noise, no bias between the intervals. w maximises the likelihood; the
-/// interval holds every w whose log-likelihood is within chi^2_1(confidence)/2 of the maximum.
+/// to the difference, Gaussian noise, no bias between the intervals. w maximises the likelihood;
+/// the interval holds every w whose log-likelihood is within chi^2_1(confidence)/2 of the maximum.
 /// @throws InputError  names the first level that is not positive, or an option out of range
 /// @note Deterministic; no random numbers.
 /// @cite Green & Swets 1966, "Signal Detection Theory and Psychophysics"; Wichmann & Hill 2001,

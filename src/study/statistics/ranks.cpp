@@ -45,8 +45,8 @@ std::vector<double> signed_rank_counts(std::size_t n) {
 double two_sided(const std::vector<double>& count, double low) {
   const auto last = static_cast<std::size_t>(low + 0.5);
   const double all = std::accumulate(count.begin(), count.end(), 0.0);
-  const double tail = std::accumulate(
-      count.begin(), count.begin() + static_cast<std::ptrdiff_t>(last) + 1, 0.0);
+  const double tail =
+      std::accumulate(count.begin(), count.begin() + static_cast<std::ptrdiff_t>(last) + 1, 0.0);
   return std::min(1.0, 2 * tail / all);
 }
 
