@@ -26,18 +26,24 @@ void draw_value_axis(SvgWriter& out, const Frame& f, std::string_view title,
            {.size = kLabel, .anchor = Anchor::middle});
 }
 
-void draw_axes(SvgWriter& out, const Frame& f, std::string_view title, std::string_view x_label,
-               std::string_view y_label) {
-  draw_value_axis(out, f, title, x_label);
+void draw_upright_axis(SvgWriter& out, const Frame& f, std::string_view title,
+                       std::string_view label) {
+  draw_title(out, f, title);
   for (const Tick& t : f.y.ticks()) {
     const double y = f.y.at(t.value);
     out.line({f.left, y}, {f.right, y}, kGrid);
     out.text({f.left - 8, y + 4}, t.text, {.size = kTick, .anchor = Anchor::end, .opacity = 0.8});
   }
   out.line({f.left, f.bottom}, {f.right, f.bottom}, kAxis);
-  out.line({f.left, f.top}, {f.left, f.bottom}, kAxis);
-  out.text({15, 0.5 * (f.top + f.bottom)}, y_label,
+  out.text({15, 0.5 * (f.top + f.bottom)}, label,
            {.size = kLabel, .anchor = Anchor::middle, .rotate_degrees = -90});
+}
+
+void draw_axes(SvgWriter& out, const Frame& f, std::string_view title, std::string_view x_label,
+               std::string_view y_label) {
+  draw_value_axis(out, f, "", x_label);
+  draw_upright_axis(out, f, title, y_label);
+  out.line({f.left, f.top}, {f.left, f.bottom}, kAxis);
 }
 
 }  // namespace palpate::plot

@@ -40,4 +40,9 @@ void draw_axes(SvgWriter& out, const Frame& frame, std::string_view title, std::
 void draw_value_axis(SvgWriter& out, const Frame& frame, std::string_view title,
                      std::string_view label);
 
+/// Only the vertical value axis of a figure made of columns: horizontal grid lines, ticks and
+/// label.
+void draw_upright_axis(SvgWriter& out, const Frame& frame, std::string_view title,
+                       std::string_view label);
+
 }  // namespace palpate::plot

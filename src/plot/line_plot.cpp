@@ -6,6 +6,7 @@
 #include <numeric>
 
 #include "core/error.hpp"
+#include "plot/extent.hpp"
 #include "plot/frame.hpp"
 
 namespace palpate::plot {
@@ -13,15 +14,6 @@ namespace {
 
 constexpr double kLabelSize = 12.5;  ///< [px] names at the ends of the curves
 constexpr double kLabelGap = 16;     ///< [px] smallest distance between two names
-
-struct Extent {
-  double low = INFINITY, high = -INFINITY;
-  void add(double v) {
-    if (!std::isfinite(v)) return;
-    low = std::min(low, v);
-    high = std::max(high, v);
-  }
-};
 
 /// Runs of finite points, in pixels.
 std::vector<std::vector<PixelPoint>> runs(const Series& s, const Frame& frame) {
