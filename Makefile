@@ -3,7 +3,7 @@ PRESET ?= release
 BUILD := build/$(PRESET)
 OUT ?= out
 
-.PHONY: build demo test bench bench-touch lint format assets fuzz layout
+.PHONY: build demo test bench bench-anatomy bench-touch lint format assets fuzz layout
 
 build: $(BUILD)/build.ninja
 	cmake --build $(BUILD)
@@ -33,6 +33,12 @@ bench: layout
 	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
 	cmake --build $(BUILD)
 	sh bench/run.sh $(BUILD)
+
+# The figures of landmarks, fit and error bars, head by head; TURNS random copies of each. About an hour.
+TURNS ?= 20
+bench-anatomy: $(BUILD)/build.ninja
+	cmake --build $(BUILD) --target palpate
+	/usr/bin/python3 bench/anatomy.py $(BUILD)/palpate $(BUILD)/bench-anatomy --turns $(TURNS)
 
 # The figures of touch on the demo's head, as a table; about ten minutes. bench_touch --quick takes one.
 bench-touch: build $(OUT)/head.glb

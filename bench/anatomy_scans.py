@@ -1,0 +1,94 @@
+"""Scans with known landmarks and what is done to them: turned, scaled, noisy, holed, cut, mirrored."""
+import json, os
+import numpy as np
+
+HERE = os.path.dirname(os.path.abspath(__file__))
+MM = {'mm': 1.0, 'cm': 10.0, 'dm': 100.0, 'm': 1000.0, 'inch': 25.4}
+TREATMENTS = ['noise', 'outliers', 'holes', 'missing', 'mirrored', 'inverted']
+FLOATS = {'float': '<f4', 'float32': '<f4', 'double': '<f8'}
+
+
+def read_ply(path):
+    """Points [scan's unit] and triangles of a little-endian triangle PLY."""
+    raw = open(path, 'rb').read()
+    end = raw.index(b'end_header\n') + 11
+    lines = [l.split() for l in raw[:end].decode('latin-1').split('\n')]
+    n, m = (next(int(l[2]) for l in lines if l[:2] == ['element', e]) for e in ('vertex', 'face'))
+    kind = FLOATS[next(l[1] for l in lines if l[:1] == ['property'])]
+    points = np.frombuffer(raw, kind, 3 * n, end).reshape(-1, 3).astype(float)
+    face = np.frombuffer(raw, np.dtype([('n', 'u1'), ('i', '<i4', 3)]), m, end + points.shape[0] * 3 * int(kind[2]))
+    return points, face['i'].copy()
+
+
+def write_ply(path, points, triangles):
+    head = (f'ply\nformat binary_little_endian 1.0\nelement vertex {len(points)}\nproperty float x\nproperty float y\n'
+            f'property float z\nelement face {len(triangles)}\nproperty list uchar int vertex_indices\nend_header\n')
+    faces = np.empty(len(triangles), np.dtype([('n', 'u1'), ('i', '<i4', 3)]))
+    faces['n'], faces['i'] = 3, triangles
+    with open(path, 'wb') as f:
+        f.write(head.encode() + points.astype('<f4').tobytes() + faces.tobytes())
+
+
+def heads(shared):
+    """(name, skin file, unit, landmarks, true skull file or None): the bundled head, then the development heads."""
+    own = json.load(open(os.path.join(HERE, '../data/head.json')))
+    yield 'bundled', os.path.join(HERE, '../data/head.ply'), own['unit'], own['landmarks'], None
+    folder = os.path.join(shared, 'heads')
+    if not os.path.exists(os.path.join(folder, 'heads.json')):
+        return
+    for name, m in json.load(open(os.path.join(folder, 'heads.json'))).items():
+        if 'file' in m and 'landmarks' in m:
+            yield name, os.path.join(folder, m['file']), m['unit'], m['landmarks'], None
+        elif 'skin' in m and name == 'ct':
+            yield name, os.path.join(folder, m['skin']), m['unit'], {}, os.path.join(folder, m['skull'])
+
+
+def rotation(rng):
+    q = rng.normal(size=4)
+    w, x, y, z = q / np.linalg.norm(q)
+    return np.array([[1 - 2 * (y * y + z * z), 2 * (x * y - z * w), 2 * (x * z + y * w)],
+                     [2 * (x * y + z * w), 1 - 2 * (x * x + z * z), 2 * (y * z - x * w)],
+                     [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
+
+
+def swapped(name):
+    """The name that a point has on a mirrored head."""
+    side = {'left': 'right', 'right': 'left'}
+    stem, _, last = name.rpartition('_')
+    return f'{stem}_{side[last]}' if last in side else name
+
+
+def without(points, triangles, gone):
+    """Drops the triangles that touch a point of `gone`."""
+    return points, triangles[~gone[triangles].any(axis=1)]
+
+
+def treat(kind, points, triangles, marks, rng):
+    """One defect, in mm, in the head's upright frame: every kind but `mirrored` and `inverted` comes with 0.5 mm of noise."""
+    face = np.mean(list(marks.values()), axis=0)
+    if kind == 'mirrored':
+        flip = np.array([-1, 1, 1])
+        return points * flip, triangles[:, ::-1], {swapped(n): p * flip for n, p in marks.items()}
+    if kind == 'inverted':
+        return points, triangles[:, ::-1], marks
+    points = points + rng.normal(size=points.shape) * 0.5
+    if kind == 'outliers':  # 5 % of the points 2 to 10 mm off, any way
+        out = rng.random(len(points)) < 0.05
+        way = rng.normal(size=(out.sum(), 3))
+        points[out] += way / np.linalg.norm(way, axis=1)[:, None] * rng.uniform(2, 10, out.sum())[:, None]
+    if kind == 'holes':  # five round holes of 8 to 15 mm radius, anywhere but on a landmark
+        gone = np.zeros(len(points), bool)
+        for centre in points[rng.integers(len(points), size=5)]:
+            radius = min(rng.uniform(8, 15), min(np.linalg.norm(p - centre) for p in marks.values()) - 12)
+            gone |= np.linalg.norm(points - centre, axis=1) < radius
+        points, triangles = without(points, triangles, gone)
+    if kind == 'missing':  # a fifth of the points, from the back or from one side
+        away = np.array([[0, 0, -1.0], [0, 0, -1.0], [0.5, 0, -1], [-0.5, 0, -1]])[rng.integers(4)]
+        along = (points - face) @ (away / np.linalg.norm(away))
+        points, triangles = without(points, triangles, along > np.quantile(along, 0.8))
+    return points, triangles, marks
+
+
+def in_millimetres(path, unit, marks):
+    points, triangles = read_ply(path)
+    return points * MM[unit], triangles, {n: np.array(p, float) * MM[unit] for n, p in marks.items()}
