@@ -31,24 +31,20 @@ using Lanes = float __attribute__((vector_size(16)));
 /// threads at once.
 class BoxTree {
  public:
-  static constexpr int kMostBalls = 3;
-  /// Boxes wholly inside one of the balls are not visited.
-  struct Except {
-    std::array<Vec3, kMostBalls> centers;
-    int count = 0;
-    double radius = 0;  ///< [mm]
-  };
-
-  /// A sphere that rests on the skin, for confirm_rest().
+  static constexpr int kMostFlanks = 3;
+  /// A sphere that rests on the skin, for visit_others().
   struct Rest {
-    Vec3 center;           ///< [mm] the tool's
-    double distance2 = 0;  ///< [mm^2] from there to the point on which the proxy rests
-    Vec3 proxy;            ///< [mm] the proxy's centre, outside
-    double radius = 0;     ///< [mm] of the proxy
-    Vec3 point;            ///< [mm] on which it rests
-    Vec3 normal;           ///< [-] unit, from the point to the proxy
-    double apart = 0;      ///< [mm] other contacts are at least this far from the point
-    double cosine = 1;  ///< [-] and face away from `normal` by more than the angle of this cosine
+    Vec3 proxy;                               ///< [mm] the sphere's centre, outside
+    double radius = 0;                        ///< [mm]
+    std::array<Vec3, kMostFlanks> points{};   ///< [mm] on which it rests
+    std::array<Vec3, kMostFlanks> normals{};  ///< [-] unit, from there to the proxy
+    int count = 0;                            ///< of them, >= 1
+    double apart = 0;                         ///< [mm] others are at least this far from a point
+    double cosine = 1;                        ///< [-] and face away by more than this angle
+    /// The tool's own centre [mm] and the squared distance from there to the first point: nearer
+    /// triangles are asked for as well, unless it is negative.
+    Vec3 center = Vec3::Zero();
+    double distance2 = -1;  ///< [mm^2]
   };
 
   BoxTree() = default;
@@ -58,21 +54,18 @@ class BoxTree {
   [[nodiscard]] static std::pair<BoxTree, std::vector<std::int32_t>> build(
       const SurfaceMesh& mesh, const std::vector<char>& border = {});
 
-  /// Offers every triangle that may be nearer to the tool than the point, or may touch the proxy as
-  /// another contact; stops when visit(triangle) returns true and returns false then. One walk down
-  /// the tree answers both questions, since the ball about the tool lies within the proxy.
+  /// Calls visit(triangle, other) -> squared radius [mm^2] about the proxy that still interests,
+  /// negative to stop, for every triangle that may touch the proxy as another contact (`other`), or
+  /// be nearer to the tool than the first point. One walk down the tree answers both questions,
+  /// since the ball about the tool lies within the proxy.
   template <class Visit>
-  [[nodiscard]] bool confirm_rest(const Rest& rest, Visit&& visit) const;
+  void visit_others(const Rest& rest, Visit&& visit) const;
 
   /// Calls visit(triangle) -> squared radius [mm^2] that still interests, for every triangle whose
   /// box comes within the current radius of p, near boxes first.
   template <class Visit>
   void visit_near(const Vec3& p, double radius2, Visit&& visit) const {
-    traverse<false>(p, radius2, {}, visit);
-  }
-  template <class Visit>
-  void visit_near(const Vec3& p, double radius2, const Except& except, Visit&& visit) const {
-    traverse<true>(p, radius2, except, visit);
+    traverse(p, radius2, visit);
   }
 
   [[nodiscard]] const Box& box() const { return box_; }
@@ -123,28 +116,32 @@ class BoxTree {
     }
     return sum;
   }
-  /// Bit k is set where box k lies wholly inside one of the balls.
-  [[nodiscard]] static int lanes_inside(const Node& node,
-                                        const std::array<Eigen::Vector3f, kMostBalls>& balls,
-                                        int count, float radius2) {
-    int bits = 0;
-    for (int s = 0; s < count; ++s) {
-      const std::array<float, 3> ball = turned(node, balls[s]);
-      Lanes farthest2{};
-      for (int k = 0; k < 3; ++k) {
-        const Lanes reach = larger(ball[k] - node.low[k], node.high[k] - ball[k]);
-        farthest2 += reach * reach;
-      }
-      bits |= lanes_within(farthest2, Lanes{} + radius2);
+  /// Bit k is set where box k holds nothing that is another contact than this one: it lies wholly
+  /// within the ball about its point, or all its triangles face the same way.
+  [[nodiscard]] static int lanes_same(const Node& node, const Eigen::Vector3f& point,
+                                      const Eigen::Vector3f& normal, float apart2, float cosine) {
+    const std::array<float, 3> ball = turned(node, point);
+    Lanes farthest2{};
+    for (int k = 0; k < 3; ++k) {
+      const Lanes reach = larger(ball[k] - node.low[k], node.high[k] - ball[k]);
+      farthest2 += reach * reach;
     }
-    return bits;
+    int same = lanes_within(farthest2, Lanes{} + apart2);
+    const float facing =
+        node.axis[2][0] * normal[0] + node.axis[2][1] * normal[1] + node.axis[2][2] * normal[2];
+    if (facing > 0) {
+      const float across = std::sqrt(std::max(0.0F, 1 - facing * facing));
+      same |=
+          lanes_within(Lanes{} + cosine, facing * node.spread_cosine - across * node.spread_sine);
+    }
+    return same;
   }
   [[nodiscard]] static Lanes larger(Lanes a, Lanes b) {
     return a > b ? a : b;
   }
 
-  template <bool kExcept, class Visit>
-  void traverse(const Vec3& p, double radius2, const Except& except, Visit& visit) const;
+  template <class Visit>
+  void traverse(const Vec3& p, double radius2, Visit& visit) const;
 
   friend class BoxTreeBuilder;
   std::vector<Node> nodes_;
@@ -152,16 +149,12 @@ class BoxTree {
   Box box_{};
 };
 
-template <bool kExcept, class Visit>
-void BoxTree::traverse(const Vec3& p, double radius2, const Except& except, Visit& visit) const {
+template <class Visit>
+void BoxTree::traverse(const Vec3& p, double radius2, Visit& visit) const {
   constexpr float kGrow = 1.00001F;    // rounding of the squared distances
   constexpr double kFarthest2 = 1e30;  // [mm^2] finite, so that unused lanes stay out
   const Eigen::Vector3f q = (p - center_).cast<float>();
   float bound = static_cast<float>(std::min(radius2, kFarthest2)) * kGrow;
-  std::array<Eigen::Vector3f, kMostBalls> balls;
-  const auto inside2 = static_cast<float>(except.radius * except.radius);
-  if constexpr (kExcept)
-    for (int s = 0; s < except.count; ++s) balls[s] = (except.centers[s] - center_).cast<float>();
 
   std::array<Entry, kStack> stack;
   int top = 0;
@@ -180,8 +173,6 @@ void BoxTree::traverse(const Vec3& p, double radius2, const Except& except, Visi
     std::memcpy(near2.data(), &distance2, sizeof(distance2));
     const int first = top;
     int open = lanes_within(distance2, limit);
-    if constexpr (kExcept)
-      if (open != 0) open &= ~lanes_inside(node, balls, except.count, inside2);
     for (; open != 0; open &= open - 1) {
       const int lane = std::countr_zero(static_cast<unsigned>(open));
       int place = top++;  // farthest lowest, so that the nearest is popped first
@@ -193,44 +184,52 @@ void BoxTree::traverse(const Vec3& p, double radius2, const Except& except, Visi
 }
 
 template <class Visit>
-bool BoxTree::confirm_rest(const Rest& rest, Visit&& visit) const {
+void BoxTree::visit_others(const Rest& rest, Visit&& visit) const {
   constexpr float kGrow = 1.00001F;
   const Eigen::Vector3f proxy = (rest.proxy - center_).cast<float>();
   const Eigen::Vector3f tool = (rest.center - center_).cast<float>();
-  const Eigen::Vector3f normal = rest.normal.cast<float>();
-  const std::array<Eigen::Vector3f, kMostBalls> ball = {(rest.point - center_).cast<float>()};
-  const Lanes reach2 = Lanes{} + static_cast<float>(rest.radius * rest.radius) * kGrow;
+  std::array<Eigen::Vector3f, kMostFlanks> points, normals;
+  for (int j = 0; j < rest.count; ++j) {
+    points[j] = (rest.points[j] - center_).cast<float>();
+    normals[j] = rest.normals[j].cast<float>();
+  }
+  const Lanes widest2 = Lanes{} + static_cast<float>(rest.radius * rest.radius) * kGrow;
+  Lanes reach2 = widest2;
   const Lanes near2 = Lanes{} + static_cast<float>(rest.distance2) * kGrow;
   const auto apart2 = static_cast<float>(rest.apart * rest.apart);
   const auto cosine = static_cast<float>(rest.cosine);
 
-  std::array<std::int32_t, kStack> stack;
+  struct Item {
+    std::int32_t child;
+    bool other;
+  };
+  std::array<Item, kStack> stack;
   int top = 0;
-  stack[top++] = 0;
+  stack[top++] = {0, true};
   while (top > 0) {
-    const std::int32_t child = stack[--top];
-    if (child < 0) {
-      if (visit(~child)) return false;
+    const Item item = stack[--top];
+    if (item.child < 0) {
+      const double wanted = visit(~item.child, item.other);
+      if (wanted < 0) return;
+      reach2 = Lanes{} + static_cast<float>(wanted) * kGrow;
       continue;
     }
-    const Node& node = nodes_[static_cast<std::size_t>(child)];
-    int open = lanes_within(distances2(node, turned(node, proxy)), reach2);
-    if (open == 0) continue;
-    // What faces the proxy's way, or lies at its point, is no other contact; but it may be nearer.
-    const float facing =
-        node.axis[2][0] * normal[0] + node.axis[2][1] * normal[1] + node.axis[2][2] * normal[2];
-    int same = lanes_inside(node, ball, 1, apart2);
-    if (facing > 0) {
-      const float across = std::sqrt(std::max(0.0F, 1 - facing * facing));
-      same |=
-          lanes_within(Lanes{} + cosine, facing * node.spread_cosine - across * node.spread_sine);
+    const Node& node = nodes_[static_cast<std::size_t>(item.child)];
+    const Lanes distance2 = distances2(node, turned(node, proxy));
+    const int within = lanes_within(distance2, widest2);
+    if (within == 0) continue;
+    int others = item.other ? within & lanes_within(distance2, reach2) : 0;
+    for (int j = 0; j < rest.count && others != 0; ++j)
+      others &= ~lanes_same(node, points[j], normals[j], apart2, cosine);
+    // What is no other contact may still be nearer to the tool; that ball lies within the proxy.
+    int open = others;
+    if (others != within && rest.distance2 >= 0)
+      open |= within & lanes_within(distances2(node, turned(node, tool)), near2);
+    for (; open != 0; open &= open - 1) {
+      const int lane = std::countr_zero(static_cast<unsigned>(open));
+      stack[top++] = {node.child[lane], ((others >> lane) & 1) != 0};
     }
-    if ((open & same) != 0)
-      open &= ~same | lanes_within(distances2(node, turned(node, tool)), near2);
-    for (; open != 0; open &= open - 1)
-      stack[top++] = node.child[std::countr_zero(static_cast<unsigned>(open))];
   }
-  return true;
 }
 
 }  // namespace palpate::haptics

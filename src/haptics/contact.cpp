@@ -181,15 +181,18 @@ Side follow(const ContactMesh& mesh, double radius, const Vec3& center, ProxySta
   return leave(state, std::sqrt(at.distance2));
 }
 
-// The common case, settled by one walk down the tree: in contact from outside before and after, one
-// flank, and the nearest point is where the proxy slides to by itself.
-bool slides_on(const ContactMesh& mesh, double radius, const Vec3& center, ProxyState& state) {
+// The common case, settled by one walk down the tree: in contact from outside before and after, and
+// the nearest point is where the proxy slides to by itself.
+bool slides_on(const ContactMesh& mesh, double radius, const Vec3& center, ProxyState& state,
+               Contact& contact) {
   if (!state.touching || (center - state.center).squaredNorm() >= kJump * kJump) return false;
   const SurfacePoint local = mesh.descend(center, state.anchor);
-  if (local.distance2 >= radius * radius || side_of(mesh, local, center) < 0 ||
-      !rests_alone(mesh, radius, center, local))
-    return false;
+  if (local.distance2 >= radius * radius || side_of(mesh, local, center) < 0) return false;
+  const Beside beside = look_beside(mesh, radius, center, local);
+  if (!beside.nearest) return false;
   touch(state, local, false);
+  contact = beside.other.found() ? rest_on_two(mesh, radius, center, local, beside.other)
+                                 : rest_on_point(mesh, radius, local, false);
   return true;
 }
 
@@ -198,9 +201,7 @@ bool slides_on(const ContactMesh& mesh, double radius, const Vec3& center, Proxy
 Contact find_contact(const ContactMesh& mesh, double radius, const Vec3& center,
                      ProxyState& state) {
   Contact contact;
-  if (slides_on(mesh, radius, center, state)) {
-    contact = rest_on_point(mesh, radius, state.anchor, false);
-  } else {
+  if (!slides_on(mesh, radius, center, state, contact)) {
     const Side side = !state.started   ? begin(mesh, radius, center, state)
                       : state.touching ? follow(mesh, radius, center, state)
                                        : arrive(mesh, radius, center, state);

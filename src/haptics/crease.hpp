@@ -20,11 +20,18 @@ namespace palpate::haptics {
 [[nodiscard]] Contact rest_on_flanks(const ContactMesh& mesh, double radius, const Vec3& center,
                                      const SurfacePoint& nearest, bool behind);
 
-/// True when the proxy that rests at `point` rests there alone and no skin is nearer to `center`,
-/// which must lie outside: then rest_on_flanks() would find one flank, and that point. One walk
-/// down the tree; false only says that the question needs the long way.
-[[nodiscard]] bool rests_alone(const ContactMesh& mesh, double radius, const Vec3& center,
-                               const SurfacePoint& point);
+/// What lies beside a proxy that rests at a point.
+struct Beside {
+  bool nearest = true;  ///< no skin is nearer to the tool than the point
+  SurfacePoint other;   ///< the nearest other contact of the proxy, where `nearest`; or none
+};
+/// Looks about the proxy that rests at `point` for a tool whose `center` lies outside: one walk
+/// down the tree tells what rest_on_flanks() and a search for the nearest point would find.
+[[nodiscard]] Beside look_beside(const ContactMesh& mesh, double radius, const Vec3& center,
+                                 const SurfacePoint& point);
+/// rest_on_flanks() outside, where look_beside() has found the second flank already.
+[[nodiscard]] Contact rest_on_two(const ContactMesh& mesh, double radius, const Vec3& center,
+                                  const SurfacePoint& nearest, const SurfacePoint& other);
 /// The contact at one point, without looking for others.
 [[nodiscard]] Contact rest_on_point(const ContactMesh& mesh, double radius,
                                     const SurfacePoint& point, bool behind);

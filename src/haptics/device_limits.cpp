@@ -11,18 +11,19 @@ namespace palpate::haptics {
 namespace {
 
 // Peak force, stiffness and damping as the open drivers of the devices limit them; makers' data
-// sheets where they agree. 1 N s/m = 0.001 N s/mm. The Falcon's maker states 8.9 N peak; its
-// encoders resolve 0.06 mm. The Touch holds 0.88 N continuously. The Inverse3 reports its limits at
-// run time: 10 N is unverified, and its stiffness and damping are set to the Falcon-class values.
+// sheets where they agree. 1 N s/m = 0.001 N s/mm. The Falcon's maker states 8.9 N peak. The Touch
+// holds 0.88 N continuously. The Inverse3 reports its limits at run time: 10 N is unverified, and
+// its stiffness and damping are set to the Falcon-class values. The last column is the position's
+// resolution as the makers state it (400, 450 and 1100 dpi for the Falcon, Touch and Touch X).
 constexpr std::array<DeviceLimits, 8> kDevices = {{
-    {"Novint Falcon", 8.0, 3.0, 0.020, 40},
-    {"Force Dimension omega.3", 12.0, 5.0, 0.030, 75},
-    {"Force Dimension sigma.7", 12.0, 4.0, 0.030, 75},
-    {"Force Dimension lambda.7", 12.0, 8.0, 0.030, 112},
-    {"Force Dimension delta.3", 20.0, 5.0, 0.030, 150},
-    {"3D Systems Touch", 3.3, 0.4, 0.004, 75},
-    {"3D Systems Touch X", 7.9, 1.0, 0.005, 100},
-    {"Haply Inverse3", 10.0, 3.0, 0.020, 0},
+    {"Novint Falcon", 8.0, 3.0, 0.020, 40, 0.0635},
+    {"Force Dimension omega.3", 12.0, 5.0, 0.030, 75, 0.01},
+    {"Force Dimension sigma.7", 12.0, 4.0, 0.030, 75, 0.0015},
+    {"Force Dimension lambda.7", 12.0, 8.0, 0.030, 112, 0.0015},
+    {"Force Dimension delta.3", 20.0, 5.0, 0.030, 150, 0.03},
+    {"3D Systems Touch", 3.3, 0.4, 0.004, 75, 0.055},
+    {"3D Systems Touch X", 7.9, 1.0, 0.005, 100, 0.023},
+    {"Haply Inverse3", 10.0, 3.0, 0.020, 0, 0.01},
 }};
 
 std::string lower(std::string_view text) {

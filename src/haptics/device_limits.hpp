@@ -15,6 +15,7 @@ struct DeviceLimits {
   double stiffness = 0;         ///< [N/mm] largest that the device renders stably, > 0
   double damping = 0;           ///< [N s/mm] largest viscous coefficient, >= 0
   double workspace_radius = 0;  ///< [mm] 0 where unknown
+  double resolution = 0;        ///< [mm] step of the reported position; 0 where there is none, >= 0
 };
 
 /// The table of common devices, as their open drivers limit them (docs/method/touch.md). What the

@@ -28,6 +28,7 @@ RecordingHeader parse_header(const nlohmann::json& json) {
   limits.at("stiffness_n_per_mm").get_to(h.limits.stiffness);
   limits.at("damping_n_s_per_mm").get_to(h.limits.damping);
   limits.at("workspace_radius_mm").get_to(h.limits.workspace_radius);
+  limits.at("resolution_mm").get_to(h.limits.resolution);
   const auto& o = json.at("options");
   h.options.scaling = o.at("keep_ratios").get<bool>() ? Scaling::ratio : Scaling::none;
   o.at("static_friction").get_to(h.options.static_friction);

@@ -58,6 +58,8 @@ void each_member(State& s, Visit visit) {
   visit(s.proxy.touching);
   visit(s.proxy.from_inside);
   vector(s.position);
+  vector(s.mean);
+  vector(s.tool);
   vector(s.velocity);
   vector(s.force);
   vector(s.settled.normal);
@@ -195,7 +197,8 @@ std::string encode_header(const RecordingHeader& h) {
                                 {{"peak_force_n", h.limits.peak_force},
                                  {"stiffness_n_per_mm", h.limits.stiffness},
                                  {"damping_n_s_per_mm", h.limits.damping},
-                                 {"workspace_radius_mm", h.limits.workspace_radius}}},
+                                 {"workspace_radius_mm", h.limits.workspace_radius},
+                                 {"resolution_mm", h.limits.resolution}}},
                                {"options",
                                 {{"keep_ratios", o.scaling == Scaling::ratio},
                                  {"static_friction", o.static_friction},

@@ -13,7 +13,7 @@
 
 namespace palpate::haptics::codec {
 
-inline constexpr std::string_view kMagic{"PALPTCH\x02", 8};
+inline constexpr std::string_view kMagic{"PALPTCH\x03", 8};
 inline constexpr std::uint32_t kBlockMagic = 0x314b4c42;  // "BLK1"
 
 /// CRC-32 of IEEE 802.3.

@@ -21,6 +21,11 @@ namespace {
 constexpr double kShortestTick = 1e-4;  // [s] a clock that stands still must not divide by 0
 constexpr double kLongestTick = 1e-2;   // [s] later than that the loop has given up already
 
+double smooth_step(double low, double high, double x) {
+  const double t = std::clamp((x - low) / (high - low), 0.0, 1.0);
+  return t * t * (3 - 2 * t);
+}
+
 struct Push {
   CurveValue map;     // as mapped
   CurveValue device;  // as rendered
@@ -57,10 +62,30 @@ Push push_of(const TickSetup& setup, const Contact& contact) {
   return push;
 }
 
-void update_velocity(const TickOptions& options, const TickInput& input, double dt,
-                     TickState& state) {
-  const Vec3 raw =
-      input.has_velocity ? input.velocity : Vec3((input.position - state.position) / dt);
+// The position that is felt, for a device whose report has steps. At rest the report jumps between
+// two counts, the force with it, and a stiff contact shakes the hand for ever: only a device with
+// friction of its own above half a step's change of force comes to rest on it. Near the mean of the
+// last tenth of a second the way is therefore felt at a tenth, so that a step is felt at a tenth;
+// farther away, where the hand moves on purpose, as reported and without lag. A low pass would lag
+// in motion, and a dead band that is dragged along lags by its width: both give energy.
+Vec3 felt_position(const Vec3& reported, double resolution, double dt, Vec3& mean) {
+  // [s] Longer comes to the map's force later and lags more when it does; shorter follows the
+  // steps.
+  constexpr double kMemory = 0.12;
+  constexpr double kFine = 0.1;  // [-] felt share of a step; smaller creeps longer under the hand
+  // In steps from the mean: up to the first, which holds a step on all three axes, the fine share;
+  // from the second on everything. Closer together they make the way between steeper than the skin.
+  constexpr double kNear = 2, kFar = 12;
+  mean += (1 - std::exp(-dt / kMemory)) * (reported - mean);
+  if (!(resolution > 0)) return reported;
+  const Vec3 away = reported - mean;
+  const double coarse = smooth_step(kNear, kFar, away.norm() / resolution);
+  return mean + (kFine + (1 - kFine) * coarse) * away;
+}
+
+void update_velocity(const TickOptions& options, const TickInput& input, const Vec3& moved,
+                     double dt, TickState& state) {
+  const Vec3 raw = input.has_velocity ? input.velocity : Vec3(moved / dt);
   const double pass = 1 - std::exp(-2 * std::numbers::pi * options.velocity_cutoff * dt);
   state.velocity = state.started ? Vec3(state.velocity + pass * (raw - state.velocity))
                                  : (input.has_velocity ? input.velocity : Vec3::Zero());
@@ -258,11 +283,15 @@ TickOutput tick(const TickSetup& setup, const TickInput& input, TickState& state
     return out;
   }
   const double dt = std::clamp(input.dt, kShortestTick, kLongestTick);
-  const Vec3 moved = state.started ? Vec3(input.position - state.position) : Vec3::Zero();
-  update_velocity(setup.options, input, dt, state);
+  // Energy is counted along the reported way, the contact is felt along the felt one.
+  const Vec3 reported = state.started ? Vec3(input.position - state.position) : Vec3::Zero();
+  if (!state.started) state.mean = input.position;
+  const Vec3 tool = felt_position(input.position, setup.limits.resolution, dt, state.mean);
+  const Vec3 moved = state.started ? Vec3(tool - state.tool) : Vec3::Zero();
+  update_velocity(setup.options, input, moved, dt, state);
 
   const TouchModel& model = *setup.model;
-  Contact contact = find_contact(model.mesh, model.tool_radius, input.position, state.proxy);
+  Contact contact = find_contact(model.mesh, model.tool_radius, tool, state.proxy);
   Vec3 force = Vec3::Zero();
   double stored = 0;
   if (contact.count > 0) {
@@ -275,16 +304,17 @@ TickOutput tick(const TickSetup& setup, const TickInput& input, TickState& state
     force *= state.ramp;
     if (state.ramp < 1) state.ramp = std::min(1.0, state.ramp + dt / setup.options.soft_start);
   }
-  count_energy(setup, moved, stored, state);
+  count_energy(setup, reported, stored, state);
   out.clamped = clamp_length(force, setup.limits.peak_force);
   Vec3 change = force - state.force;
   out.slewed = clamp_length(change, setup.options.slew * dt);
   if (out.slewed) force = state.force + change;
-  if (contact.count > 0) keep_passive(setup, moved, dt, force, state, out);
+  if (contact.count > 0) keep_passive(setup, reported, dt, force, state, out);
   if (contact.count == 0 && state.in_contact) end_contact(state);
 
   state.in_contact = contact.count > 0;
   state.position = input.position;
+  state.tool = tool;
   state.force = force;
   state.started = true;
   out.force = force;
@@ -317,6 +347,8 @@ TickSetup make_tick_setup(const TouchModel& model, const DeviceLimits& limits,
   need(limits.peak_force > 0, "the device's peak force", limits.peak_force, "above 0 N");
   need(limits.stiffness > 0, "the device's stiffness", limits.stiffness, "above 0 N/mm");
   need(limits.damping >= 0, "the device's damping", limits.damping, "at least 0 N s/mm");
+  need(limits.resolution >= 0 && limits.resolution <= 1, "the device's resolution",
+       limits.resolution, "from 0 to 1 mm");
 
   TickSetup setup;
   setup.model = &model;

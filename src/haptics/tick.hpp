@@ -67,7 +67,9 @@ struct Settled {
 /// bit for bit.
 struct TickState {
   ProxyState proxy;
-  Vec3 position = Vec3::Zero();  ///< [mm] last tick
+  Vec3 position = Vec3::Zero();  ///< [mm] last tick, as reported
+  Vec3 mean = Vec3::Zero();      ///< [mm] of the reported positions, over a tenth of a second
+  Vec3 tool = Vec3::Zero();      ///< [mm] last tick, as felt: steps of the encoders smoothed
   Vec3 velocity = Vec3::Zero();  ///< [mm/s] filtered
   Vec3 force = Vec3::Zero();     ///< [N] put out last
   Settled settled;               ///< meaningful while in_contact

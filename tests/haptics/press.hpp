@@ -65,15 +65,15 @@ inline double deviation(const std::vector<Vec3>& forces) {
 }
 
 /// Repeats the path for `seconds` of simulated time at 1 kHz.
-/// @param resolution  [mm] of the device's encoders; 0 is exact
+/// The simulated hand reports positions as coarse as the device's.
 inline PressResult press(const TouchModel& model, const DeviceLimits& device,
                          const TickOptions& options, const std::vector<Waypoint>& path,
-                         double seconds, double resolution = 0) {
+                         double seconds) {
   const TickSetup setup = make_tick_setup(model, device, options);
   SimulatedHandOptions o;
   o.limits = device;
   o.repeat = true;
-  o.resolution = resolution;
+  o.resolution = device.resolution;
   SimulatedHand hand(path, o);
   TouchCycle cycle(setup, hand, Workspace{});
   const Rest rest(path);
