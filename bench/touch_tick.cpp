@@ -43,15 +43,23 @@ std::vector<Vec3> way_over(const TouchModel& model, std::size_t ticks) {
 namespace {
 
 struct Timed {
-  std::vector<double> touch, empty;  // [us]
-  double sum = 0;                    // of the forces, so that no tick is optimised away
+  std::vector<double> touch, empty, alone;  // [us]
+  double sum = 0;                           // of the forces, so that no tick is optimised away
 };
+
+// Arithmetic in registers for about as long as a tick: what the machine adds to any work of that
+// length (interrupts, other programs' use of the core).
+double spin(double seed) {
+  for (int i = 0; i < 300; ++i) seed = std::sqrt(seed + 1);
+  return seed;
+}
 
 Timed time_along(const TickSetup& setup, const std::vector<Vec3>& way) {
   using Clock = std::chrono::steady_clock;
   Timed timed;
   timed.touch.reserve(way.size());
   timed.empty.reserve(way.size());
+  timed.alone.reserve(way.size());
   TickState state;
   for (const Vec3& p : way) {
     if (!p.allFinite()) {
@@ -65,9 +73,12 @@ Timed time_along(const TickSetup& setup, const std::vector<Vec3>& way) {
     const auto b = Clock::now();
     timed.sum += out.force.x();
     const auto c = Clock::now();
+    timed.sum += spin(out.force.x() + 100);
+    const auto d = Clock::now();
     if (!out.in_contact) continue;
     timed.touch.push_back(std::chrono::duration<double, std::micro>(b - a).count());
     timed.empty.push_back(std::chrono::duration<double, std::micro>(c - b).count());
+    timed.alone.push_back(std::chrono::duration<double, std::micro>(d - c).count());
   }
   return timed;
 }
@@ -92,14 +103,17 @@ void time_ticks(const TouchScene& scene, std::size_t ticks, int priority, Table&
       for (std::size_t i = 0; i < best.size(); ++i) best[i] = std::min(best[i], again[i]);
     }
   }).join();
-  const Times t = summary(timed.touch), e = summary(timed.empty), b = summary(best);
+  const Times t = summary(timed.touch), e = summary(timed.empty), b = summary(best),
+              m = summary(timed.alone);
   table.add(fmt::format("tick, {} triangles", scene.model.mesh.triangles.size()),
             "median 2 us, 99.9 % 10 us",
             fmt::format(
                 "median {:.2f}  99.9 % {:.2f}  longest {:.0f} us; empty {:.2f} {:.2f} "
-                "{:.0f}; best of three passes {:.2f} {:.2f} {:.0f}; {} ticks in contact, {}",
-                t.median, t.p999, t.longest, e.median, e.p999, e.longest, b.median, b.p999,
-                b.longest, timed.touch.size(),
+                "{:.0f}; arithmetic alone {:.2f} {:.2f} {:.0f}; best of three passes {:.2f} {:.2f} "
+                "{:.0f}; "
+                "{} ticks in contact, {}",
+                t.median, t.p999, t.longest, e.median, e.p999, e.longest, m.median, m.p999,
+                m.longest, b.median, b.p999, b.longest, timed.touch.size(),
                 priority > 0 && !refused ? fmt::format("SCHED_FIFO {}", priority) : "no priority"),
             t.median <= 2 && t.p999 <= 10 && std::isfinite(timed.sum));
 }

@@ -55,6 +55,7 @@ void TouchLoop::stop() {
 
 void TouchLoop::run() {
   if (options_.priority > 0) warnings_ = ask_for_realtime(options_.priority);
+  sharpen_timer();
   prefault_stack();
   ready_.store(true, std::memory_order_release);
 

@@ -2,12 +2,17 @@
 #include "haptics/realtime.hpp"
 
 #include <fmt/format.h>
+#include <linux/capability.h>
 #include <pthread.h>
 #include <sched.h>
 #include <sys/mman.h>
+#include <sys/prctl.h>
 #include <sys/resource.h>
+#include <sys/syscall.h>
 #include <time.h>
+#include <unistd.h>
 
+#include <array>
 #include <cerrno>
 #include <cstring>
 
@@ -17,13 +22,21 @@ namespace {
 
 constexpr std::int64_t kSecond = 1'000'000'000;  // [ns]
 
+// The limit does not count for a process that may lock memory (CAP_IPC_LOCK, as root has it).
+bool is_above_the_limit() {
+  __user_cap_header_struct header{_LINUX_CAPABILITY_VERSION_3, 0};
+  std::array<__user_cap_data_struct, _LINUX_CAPABILITY_U32S_3> own{};
+  if (syscall(SYS_capget, &header, own.data()) != 0) return false;
+  return ((own[CAP_IPC_LOCK / 32].effective >> (CAP_IPC_LOCK % 32)) & 1U) != 0;
+}
+
 // Locking everything with a small limit would make the next allocation fail, so only a lock without
 // limit is asked for.
 std::string lock_memory() {
   rlimit limit{};
   getrlimit(RLIMIT_MEMLOCK, &limit);
   const bool unlimited = limit.rlim_cur == RLIM_INFINITY;
-  if (!unlimited) {
+  if (!unlimited && !is_above_the_limit()) {
     rlimit wish{RLIM_INFINITY, RLIM_INFINITY};
     if (setrlimit(RLIMIT_MEMLOCK, &wish) != 0)
       return fmt::format(
@@ -62,6 +75,10 @@ std::vector<std::string> ask_for_realtime(int priority) {
                     std::strerror(error), priority));
   if (std::string line = lock_memory(); !line.empty()) refused.push_back(std::move(line));
   return refused;
+}
+
+void sharpen_timer() noexcept {
+  prctl(PR_SET_TIMERSLACK, 1UL);  // [ns]
 }
 
 void prefault_stack() noexcept {

@@ -22,6 +22,13 @@ int main(int argc, char** argv) {
     head.map.error[v] = head.map.depth[v] = kNone;
     for (std::size_t i = 0; i < forces; ++i) head.map.displacement[v * forces + i] = kNone;
   }
+  // Dents from sharp at the one ear to wide at the other.
+  head.map.dents = {2, {0, 4, 10, 30}, {}};
+  for (std::size_t v = 0; v < head.skin.points.size(); ++v) {
+    const double wide = 0.5 + 0.4 * head.skin.points[v].x() / 111;
+    for (const double share : {1.0, 0.7 * wide, 0.2 * wide * wide - 0.05, 0.0})
+      head.map.dents.share.push_back(head.map.has_curve(v) ? share : kNone);
+  }
   head.skull.points = head.skin.points;
   for (Vec3& p : head.skull.points) p *= 0.9;
   head.skull.triangles = head.skin.triangles;

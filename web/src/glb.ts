@@ -24,6 +24,8 @@ export interface Head {
   depth: Float32Array;
   /** relative error of the travel, -1 where none */
   error: Float32Array;
+  /** how the skin around a press goes down, where the file tells; radii in mm from the axis */
+  dents: { radii: number[]; share: Float32Array[] } | null;
   region: Float32Array;
   status: Float32Array;
   regionNames: string[];
@@ -53,6 +55,7 @@ interface Extension {
   forces_n: number[];
   status_names: string[];
   skin_region_names: string[];
+  dents?: { force_n: number; radii_mm: number[] };
   frame: { rotation: number[][]; origin_mm: number[] };
   provenance?: { input?: { name?: string; file?: string } };
 }
@@ -132,6 +135,10 @@ export function parseHead(bytes: ArrayBuffer): Head {
     travel: e.forces_n.map((_, i) => column(`_U_${i + 1}`)),
     depth: column("_DEPTH"),
     error: column("_ERROR"),
+    dents: e.dents && {
+      radii: e.dents.radii_mm,
+      share: e.dents.radii_mm.map((_, i) => column(`_DENT_${i + 1}`)),
+    } || null,
     region: column("_REGION"),
     status: column("_STATUS"),
     regionNames: e.skin_region_names,

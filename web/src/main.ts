@@ -3,6 +3,7 @@
 import { Color } from "three";
 import { drawCurve, StripChart, type Curve } from "./charts";
 import { parseHead, type Head, type Vec3 } from "./glb";
+import { dentAt } from "./dent";
 import { Hand } from "./hand";
 import { byId, message, setText } from "./dom";
 import { drawLegend } from "./legend";
@@ -110,7 +111,8 @@ class Page {
     const toolSeen = this.hello !== null && state.trip !== 2 &&
       (!this.hello.pointer || this.hand.pressing || state.inContact);
     const radius = this.hello?.tool_radius_mm ?? 8;
-    this.view.showTouch(state, radius, this.thickness(state), toolSeen);
+    const dent = this.head && state.inContact ? dentAt(this.head, state) : null;
+    this.view.showTouch(state, radius, this.thickness(state), dent, toolSeen);
     if (state.inContact || before?.inContact || this.strip.lively) this.readingsDue = true;
   }
 
@@ -233,6 +235,7 @@ class Page {
       state: () => this.state,
       head: () => this.head,
       map: () => this.map,
+      dent: () => (this.head && this.state ? dentAt(this.head, this.state) : null),
       loadMs: () => this.loadMs,
       measureFrames: (count: number) => this.view.measure(count),
     };

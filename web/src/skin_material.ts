@@ -3,6 +3,9 @@
 // (docs/method/page.md). One vertex shader serves the depth pass and the colour pass.
 import * as THREE from "three";
 
+/** Of the stored dents; a file with more is drawn with its first. */
+export const MOST_RADII = 16;
+
 const vertex = /* glsl */ `
 attribute float value;
 uniform vec3 dentPoint;   // mm, on the undeformed skin
@@ -10,20 +13,37 @@ uniform vec3 dentNormal;  // outward
 uniform float dentDepth;  // mm, 0: none
 uniform float toolRadius; // mm
 uniform float thickness;  // mm of tissue under the tool
+uniform int dentCount;    // stored radii, 0: none
+uniform float dentRadius[MOST_RADII]; // mm from the axis, ascending from 0
+uniform float dentShare[MOST_RADII];  // travel of the skin there over the tool's
 varying vec3 vNormal;
 varying vec3 vView;
 varying float vValue;
 varying float vKnown;
 flat varying float vCode;
 
-// Travel of the skin at a distance r from the axis, over the tool's depth: inside the contact the
-// skin follows the sphere, outside it falls off as an elastic half space does (Hertz), the faster
-// the thinner the tissue over the bone.
-float profile(float r, float a) {
+// Travel of the skin at a distance r from the axis, over the tool's depth. As the pressed tissue
+// went down at this place, straight between the stored radii; nowhere above the tool.
+float stored(float r) {
+  float share = 0.0;
+  for (int i = 1; i < MOST_RADII; ++i)
+    if (i < dentCount && r >= dentRadius[i - 1] && r < dentRadius[i])
+      share = mix(dentShare[i - 1], dentShare[i], (r - dentRadius[i - 1]) / (dentRadius[i] - dentRadius[i - 1]));
+  float inside = toolRadius * toolRadius - r * r;
+  return inside > 0.0 ? max(share, 1.0 - (toolRadius - sqrt(inside)) / dentDepth) : share;
+}
+
+// Where nothing is stored: inside the contact the skin follows the sphere, outside it falls off as
+// an elastic half space does (Hertz), the faster the thinner the tissue over the bone.
+float smoothed(float r, float a) {
   if (r <= a) return 1.0 - 0.5 * r * r / (a * a);
   float q = a / r;
   float outside = ((2.0 - 1.0 / (q * q)) * asin(q) + sqrt(1.0 - q * q) / q) / 3.14159265;
   return outside * exp(-(r - a) / thickness);
+}
+
+float profile(float r, float a) {
+  return dentCount > 0 ? stored(r) : smoothed(r, a);
 }
 
 void main() {
@@ -32,13 +52,14 @@ void main() {
   if (dentDepth > 0.0) {
     float a = sqrt(toolRadius * dentDepth);
     vec3 away = p - dentPoint;
-    float r = length(away);
+    vec3 tangent = away - dot(away, dentNormal) * dentNormal;
+    // From the axis; skin far below or above it, such as the other side of the head, stays.
+    float r = dentCount > 0 ? length(tangent) : length(away);
     float facing = smoothstep(0.0, 0.35, dot(n, dentNormal));
-    if (r < a + 6.0 * thickness && facing > 0.0) {
+    if (length(away) < a + 6.0 * thickness && facing > 0.0) {
       float u = dentDepth * facing * profile(r, a);
-      float h = 0.05 * a;
+      float h = dentCount > 0 ? 1.0 : 0.05 * a;
       float slope = dentDepth * facing * (profile(r + h, a) - profile(max(r - h, 0.0), a)) / (2.0 * h);
-      vec3 tangent = away - dot(away, dentNormal) * dentNormal;
       if (dot(tangent, tangent) > 1e-6) n = normalize(n + slope * normalize(tangent));
       p -= u * dentNormal;
     }
@@ -101,6 +122,9 @@ export function makeSkinMaterials(): SkinMaterials {
     dentDepth: { value: 0 },
     toolRadius: { value: 8 },
     thickness: { value: 10 },
+    dentCount: { value: 0 },
+    dentRadius: { value: new Array<number>(MOST_RADII).fill(0) },
+    dentShare: { value: new Array<number>(MOST_RADII).fill(0) },
     colors: { value: null },
     missing: { value: new THREE.Color(0.6, 0.6, 0.6) },
     low: { value: 0 },
@@ -109,7 +133,7 @@ export function makeSkinMaterials(): SkinMaterials {
     categories: { value: 1 },
     opacity: { value: 1 },
   };
-  const shared = { uniforms, vertexShader: vertex, side: THREE.DoubleSide };
+  const shared = { uniforms, defines: { MOST_RADII }, vertexShader: vertex, side: THREE.DoubleSide };
   return {
     uniforms,
     color: new THREE.ShaderMaterial({ ...shared, fragmentShader: fragment, transparent: true,

@@ -4,7 +4,8 @@ import * as THREE from "three";
 import type { Head, Surface, Vec3 } from "./glb";
 import type { TouchState } from "./link";
 import type { HeatMap } from "./maps";
-import { makeSkinMaterials, makeSolidMaterial } from "./skin_material";
+import type { Dent } from "./dent";
+import { makeSkinMaterials, makeSolidMaterial, MOST_RADII } from "./skin_material";
 
 const NO_VALUE = -1e30;
 const ARROW_MM_PER_N = 12;
@@ -122,9 +123,17 @@ export class View {
     return this.skin.uniforms.opacity.value as number;
   }
 
-  /** @param thickness mm of tissue under the tool */
-  showTouch(state: TouchState, radius: number, thickness: number, toolVisible: boolean): void {
+  /**
+   * @param thickness mm of tissue under the tool
+   * @param dent as it is stored for the touched place; null: a smooth one is drawn
+   */
+  showTouch(state: TouchState, radius: number, thickness: number, profile: Dent | null, toolVisible: boolean): void {
     const u = this.skin.uniforms;
+    u.dentCount.value = profile ? Math.min(profile.radii.length, MOST_RADII) : 0;
+    for (let i = 0; i < u.dentCount.value; ++i) {
+      u.dentRadius.value[i] = profile!.radii[i];
+      u.dentShare.value[i] = profile!.share[i];
+    }
     const dent = this.showDent && state.inContact ? state.depth : 0;
     const was = [this.tool.visible, this.arrow.visible, u.dentDepth.value, ...this.tool.position.toArray()];
     u.dentDepth.value = dent;

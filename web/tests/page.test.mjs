@@ -108,6 +108,15 @@ test("a press gives the library's force", options, async () => {
       assert.equal(await page.locator("#region").textContent(), feel.region);
     }
   }
+  const dent = await page.evaluate(() => {
+    const { dents } = window.palpate.head();
+    const { vertices, weights } = window.palpate.state();
+    const shown = window.palpate.dent();
+    const wanted = dents.radii.map((_, i) => vertices.reduce((sum, v, k) => sum + weights[k] * dents.share[i][v], 0));
+    return { shown: shown.share, wanted, drawn: window.palpate.view.skin.uniforms.dentCount.value };
+  });
+  assert.equal(dent.drawn, dent.wanted.length);
+  dent.shown.forEach((share, i) => assert.ok(Math.abs(share - dent.wanted[i]) < 1e-6, `ring ${i}: ${share}, stored ${dent.wanted[i]}`));
   await page.evaluate(() => {
     clearInterval(window.pressing);
     window.palpate.link.lift();
