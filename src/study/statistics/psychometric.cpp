@@ -174,6 +174,7 @@ PsychometricFit fit_weber_fraction(std::span<const ForcedChoice> choices,
   out.interval = likelihood_interval(line, peak, options.confidence);
   if (!peak.inside) return out;
   out.weber_fraction = std::exp(peak.u);
+  if (!options.check_shape) return out;
 
   line.shape = out.shape = best_shape(line);
   const double gain = std::max(0.0, highest(line).value - peak.value);

@@ -18,6 +18,7 @@ struct PsychometricOptions {
   double lapse = 0.02;  ///< [-] share of choices made without attending, half of them right;
                         ///< 0 <= lapse < 1. Without it one slip far above the threshold decides.
   double confidence = 0.95;
+  bool check_shape = true;  ///< fit the free exponent too; most of the time goes there
 };
 
 struct PsychometricFit {
@@ -27,7 +28,8 @@ struct PsychometricFit {
   double weber_fraction = 0;
   Interval interval{};  ///< likelihood ratio; low 0 or high infinite where unbounded
   double log_likelihood = 0;
-  /// Free exponent of the level: a test of the straight-line model. NaN with no weber_fraction.
+  /// Free exponent of the level: a test of the straight-line model. NaN with no weber_fraction
+  /// or where it was not asked for.
   double shape = 0, shape_p = 0;
 };
 
