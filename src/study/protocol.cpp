@@ -141,8 +141,6 @@ void read_experiment(TomlTable& t, Part& part) {
   part.where.id = "where";
   part.where.type = QuestionType::text;
   part.where.text = t.text("describe", "");
-  if (!part.where.text.empty() && !part.head_visible)
-    t.refuse("describe", "a place can be described only where screen = \"head\"");
   const int most = static_cast<int>(part.regions.size());
   part.toughest = t.integer("toughest", 0, 0, most);
   part.softest = t.integer("softest", 0, 0, most);
@@ -151,11 +149,12 @@ void read_experiment(TomlTable& t, Part& part) {
 }
 
 void read_tutorial(TomlTable& t, Part& part) {
-  const std::string gate = t.text("gate", "");
+  // All three are asked for before any is missed, so that a misspelt one is named.
+  const std::string gate = t.text("gate", ""), again = t.text("gate-again", "");
+  part.excused = t.text("excused", "");
   if (gate.empty()) return;
   part.gate = yes_or_no("gate", gate);
-  part.gate_again = yes_or_no("gate-again", t.text("gate-again"));
-  part.excused = t.text("excused");
+  part.gate_again = yes_or_no("gate-again", again);
 }
 
 void read_staircase(TomlTable t, Staircase& s) {
@@ -168,6 +167,15 @@ void read_staircase(TomlTable t, Staircase& s) {
   s.reversals = t.integer("reversals", s.reversals, 4, 100);
   s.most_trials = t.integer("most-trials", s.most_trials, 10, 1000);
   t.finish();
+}
+
+/// What several keys say together; after each one was read, so that a misspelt one comes first.
+void check_part(const TomlTable& t, const Part& part) {
+  if (!part.where.text.empty() && !part.head_visible)
+    t.refuse("describe", "a place can be described only where screen = \"head\"");
+  if (part.gate.text.empty()) return;
+  if (part.gate_again.text.empty()) t.refuse("gate-again", "is missing; a gate asks twice");
+  if (part.excused.empty()) t.refuse("excused", "is missing; say why the study ends here");
 }
 
 Part read_part(TomlTable t, const Protocol& protocol) {
@@ -198,6 +206,7 @@ Part read_part(TomlTable t, const Protocol& protocol) {
   if (part.kind == PartKind::discrimination && t.has("staircase"))
     read_staircase(t.table("staircase", "staircase of " + part.id), part.staircase);
   t.finish();
+  check_part(t, part);
   return part;
 }
 
