@@ -3,7 +3,7 @@ PRESET ?= release
 BUILD := build/$(PRESET)
 OUT ?= out
 
-.PHONY: build demo test bench bench-anatomy bench-touch lint format assets fuzz layout
+.PHONY: build demo test bench bench-anatomy bench-touch bench-study lint format assets fuzz layout
 
 build: $(BUILD)/build.ninja
 	cmake --build $(BUILD)
@@ -45,6 +45,12 @@ bench-touch: build $(OUT)/head.glb
 	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
 	cmake --build $(BUILD) --target bench_touch
 	$(BUILD)/bench/bench_touch --head $(OUT)/head.glb
+
+# The figures of a large study (100 people, 20 minutes each at 1 kHz); some minutes, 2 GB in /tmp.
+bench-study: build
+	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
+	cmake --build $(BUILD) --target bench_study
+	$(BUILD)/bench/bench_study --program $(BUILD)/palpate
 
 $(OUT)/head.glb:
 	$(MAKE) demo

@@ -1,0 +1,29 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// What `palpate study analyse` is made of.
+#pragma once
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+#include <string>
+#include <utility>
+#include <vector>
+
+#include "study/analysis.hpp"
+
+namespace palpate::app {
+
+/// A figure of the report, also written as figures/NAME.svg.
+struct StudyFigure {
+  std::string name, svg, caption;
+};
+/// Every figure that the results allow, in the order of the report. Simulated data say so in each
+/// title.
+[[nodiscard]] std::vector<StudyFigure> study_figures(const study::StudyData& data,
+                                                     const study::Results& results);
+/// The report: one page, nothing from outside.
+[[nodiscard]] std::string study_report(const study::StudyData& data, const study::Results& results,
+                                       const std::vector<StudyFigure>& figures);
+
+/// `palpate study analyse STUDY -o DIR`, under the command `study`.
+void add_study_analyse_command(CLI::App& study);
+
+}  // namespace palpate::app
