@@ -142,10 +142,15 @@ void run_analyse(Command& c) {
 
 }  // namespace
 
-void add_study_analyse_command(CLI::App& study) {
+void add_study_analyse_command(CLI::App& app) {
+  const auto found = app.get_subcommands([](CLI::App* one) { return one->get_name() == "study"; });
+  CLI::App* group = found.empty()
+                        ? app.add_subcommand("study", "run a study of a head, check it, analyse it")
+                        : found.front();
+  group->require_subcommand(1);
   auto c = std::make_shared<Command>();
   CLI::App* sub =
-      add_subcommand(study, "analyse", "study file -> report, figures, tables, BIDS",
+      add_subcommand(*group, "analyse", "study file -> report, figures, tables, BIDS",
                      "Example:  palpate study analyse study.db -o results", c, run_analyse);
   sub->add_option("STUDY", c->input, "study file, as `palpate study run` writes it")->required();
   add_output_option(

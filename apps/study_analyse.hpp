@@ -1,10 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // What `palpate study analyse` is made of.
 #pragma once
-#include <CLI/CLI.hpp>
-#include <nlohmann/json.hpp>
 #include <string>
-#include <utility>
 #include <vector>
 
 #include "study/analysis.hpp"
@@ -22,8 +19,5 @@ struct StudyFigure {
 /// The report: one page, nothing from outside.
 [[nodiscard]] std::string study_report(const study::StudyData& data, const study::Results& results,
                                        const std::vector<StudyFigure>& figures);
-
-/// `palpate study analyse STUDY -o DIR`, under the command `study`.
-void add_study_analyse_command(CLI::App& study);
 
 }  // namespace palpate::app
