@@ -85,8 +85,8 @@ void add_ratings(Page& page, const Results& r, Figures& figures) {
   if (r.conditions.empty()) return;
   page.section("ratings", "How stiff each place felt");
   page.paragraph(
-      "Mean (standard deviation) of the ratings; in brackets below, the 95 % interval of the mean "
-      "by Student's t.");
+      "Mean (standard deviation) of the ratings, and the 95 % interval of the mean by Student's "
+      "t.");
   Page::Table table;
   table.head = {"place"};
   for (const Condition& c : r.conditions) {
@@ -117,7 +117,10 @@ void add_groups(Page& page, const Results& r, Figures& figures) {
       "others are exploratory: they were not planned and their p are not adjusted for one "
       "another.");
   for (const Grouping& g : r.groupings) {
-    page.subsection(spaced(g.question) + (g.planned ? "" : " (exploratory)"));
+    if (g.planned)
+      page.subsection(spaced(g.question));
+    else
+      page.begin_details("Exploratory: " + spaced(g.question));
     Page::Table table;
     table.head = {"place"};
     for (std::size_t l = 0; l < g.levels.size(); ++l)
@@ -129,7 +132,8 @@ void add_groups(Page& page, const Results& r, Figures& figures) {
     }
     page.table(table);
     add_group_tests(page, g);
-    if (g.planned) figures.add("groups-" + g.question);
+    figures.add("groups-" + g.question);
+    if (!g.planned) page.end_details();
   }
 }
 

@@ -16,7 +16,7 @@ constexpr double kText = 12.5;    ///< [px]
 constexpr double kRadius = 3.2;   ///< [px] of a dot
 constexpr double kDotGap = 7;     ///< [px] between the centres of equal values
 constexpr double kBox = 0.16;     ///< [-] half width of the box, of a strip's room
-constexpr double kDotsAt = 0.22;  ///< [-] where the dots' middle lies, right of the strip's middle
+constexpr double kDotsAt = 0.24;  ///< [-] where the dots' middle lies, right of the strip's middle
 constexpr double kBoxAt = -0.18;
 
 /// Linear interpolation between sorted values; they are not empty.
@@ -90,7 +90,7 @@ std::string svg(const StripPlot& plot) {
     std::sort(sorted.begin(), sorted.end());
     const std::string color = s.color.empty() ? hex(category_color(i)) : s.color;
     draw_box(out, f, sorted, middle + kBoxAt * room, std::min(26.0, kBox * room), color);
-    draw_dots(out, f, sorted, middle + kDotsAt * room, 0.5 * room, color);
+    draw_dots(out, f, sorted, middle + kDotsAt * room, 0.4 * room, color);
   }
   return std::move(out).finish();
 }
