@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Figures of the stiffness stage as tables: discretisation error of the default patch, size of the
 // domain, treatment of contact, speed of the batch. `bench_sweep` takes about two minutes on two
-// cores; `bench_sweep --refined` also recomputes the refined solutions (half an hour).
+// cores, `bench_sweep --speed` a few seconds; `bench_sweep --refined` also recomputes the refined
+// solutions (half an hour).
 #include <fmt/format.h>
 
 #include <chrono>
@@ -59,25 +60,22 @@ void discretisation(bool recompute) {
     if (recompute) reference = press_slab(refined_rule(), h, 1.5, 8 * penalty);
     fmt::print("{:6.1f}  {:<28}{}\n", h, "refined", row_of(reference, reference));
     PatchRule rule = rule_for_depth(h, kTool);
-    fmt::print("{:6.1f}  {:<28}{}\n", h, fmt::format("default ({} layers)", rule.layers),
-               row_of(press_slab(rule, h, 0.31 * kTool, penalty), reference));
+    fmt::print("{:6.1f}  {:<28}{}\n", h,
+               fmt::format("default, {} layers, {:.0f} mm", rule.layers, rule.rings.back().radius),
+               row_of(press_slab(rule, h, rule.first_layer, penalty), reference));
     PatchRule held = rule;
     held.hold_rim = true;
     fmt::print("{:6.1f}  {:<28}{}\n", h, "rim held",
-               row_of(press_slab(held, h, 0.31 * kTool, penalty), reference));
-    PatchRule small = default_rule(kTool, 22, rule.layers);
-    small.hold_rim = false;
-    fmt::print("{:6.1f}  {:<28}{}\n", h, "domain 22 mm",
-               row_of(press_slab(small, h, 0.31 * kTool, penalty), reference));
+               row_of(press_slab(held, h, rule.first_layer, penalty), reference));
     fmt::print("{:6.1f}  {:<28}{}\n", h, "penalty x 10",
-               row_of(press_slab(rule, h, 0.31 * kTool, 10 * penalty), reference));
+               row_of(press_slab(rule, h, rule.first_layer, 10 * penalty), reference));
   }
 }
 
 void speed() {
   fmt::print("\nBatch of 16 sites, 10 loads, one thread\n");
-  fmt::print("{:<10}{:>8}{:>14}{:>14}{:>12}{:>12}\n", "set", "layers", "MFlop/factor",
-             "s per batch", "s per site", "steps/site");
+  fmt::print("{:<10}{:>8}{:>14}{:>14}{:>12}{:>12}\n", "set", "depth", "MFlop/factor", "s per batch",
+             "s per site", "steps/site");
   std::vector<double> forces;
   for (int i = 1; i <= 10; ++i) forces.push_back(0.5 * i);
   const std::pair<const char*, fem::lanes::InstructionSet> sets[] = {
@@ -86,19 +84,19 @@ void speed() {
       {"baseline", fem::lanes::InstructionSet::baseline}};
   for (const auto& [name, set] : sets) {
     if (set > fem::lanes::best_instruction_set()) continue;
-    for (const double depth : {6.0, 16.0}) {
+    for (const double depth : {6.0, 12.0, 20.0}) {
       const PatchTemplate t = make_template(rule_for_depth(depth, kTool));
       const fem::lanes::Plan plan = fem::lanes::make_plan(t.topology);
       fem::lanes::BatchPress batch(t.topology, plan, set);
       std::vector<fem::lanes::BatchPatch> patches;
       for (int i = 0; i < 16; ++i)
-        patches.push_back({slab(t, depth * (0.7 + 0.04 * i), 2.5), {kFlesh}});
+        patches.push_back({slab(t, depth * (0.7 + 0.04 * i), t.rule.first_layer), {kFlesh}});
       const auto start = Clock::now();
       const auto lanes = batch.press(patches, kTool, forces);
       const double seconds = seconds_since(start);
       double steps = 0;
       for (const auto& l : lanes) steps += l.iterations / 16.0;
-      fmt::print("{:<10}{:>8}{:>14.1f}{:>14.2f}{:>12.3f}{:>12.1f}\n", name, t.rule.layers,
+      fmt::print("{:<10}{:>8}{:>14.1f}{:>14.2f}{:>12.3f}{:>12.1f}\n", name, depth,
                  plan.factor_flops * 1e-6, seconds, seconds / 16, steps);
     }
   }
@@ -107,6 +105,7 @@ void speed() {
 }  // namespace
 
 int main(int argc, char** argv) {
-  discretisation(argc > 1 && std::strcmp(argv[1], "--refined") == 0);
+  const auto asked = [&](const char* word) { return argc > 1 && std::strcmp(argv[1], word) == 0; };
+  if (!asked("--speed")) discretisation(asked("--refined"));
   speed();
 }

@@ -48,9 +48,7 @@ void press_pieces(const Ground& ground, const SkullFit& skull, std::span<const s
     return;
   }
   const TissueCutter cutter(tissue);
-  std::vector<double> radii = {0};
-  for (const Ring& r : rule_for_depth(0, ground.options.tool_radius).rings)
-    radii.push_back(r.radius);
+  const std::vector<double> radii = dent_radii(ground.options.tool_radius);
   parallel(static_cast<int>(open.size()), ground.options, progress, 0.98, 1, [&](int i) {
     const SiteCurve curve = press_piece(ground, cutter, ground.spots[open[i]], radii);
     store.put(SolveLevel::unstructured, std::span(&open[i], 1), std::span(&curve, 1));

@@ -19,6 +19,7 @@ struct Ring {
 struct PatchRule {
   std::vector<Ring> rings;  ///< ascending radius, without the middle
   int layers = 2;
+  double first_layer = 2.5;  ///< [mm] thickest layer under the skin; the others grow
   double touch_radius = 0;  ///< [mm] skin faces whose corners lie within may be touched
   bool hold_rim = true;     ///< outermost ring held like the bone, or free
 };

@@ -15,8 +15,32 @@ namespace {
 // [-] Domain radius over tool radius: 43 mm for a fingertip. Rim free; twice as wide changes 25 mm
 // of tissue by 1 %, half as wide by 6 % (docs/method/sweep.md).
 constexpr double kDomainPerTool = 5.4;
-constexpr double kThickPerTool = 1.5;  // [-] of the tool's radius: deeper tissue has three layers
-constexpr double kFirstLayerShare = 0.31;  // [-] of the tool's radius: thickest top layer
+
+/// What a depth asks for; lengths as shares of the tool's radius. Each kind is within 2 % of
+/// refined patches over its depths, and cheaper than the next by a third and by two thirds
+/// (docs/method/sweep.md).
+struct DepthKind {
+  double deepest;      // up to here
+  int layers;          // of elements
+  double first_layer;  // thickest one under the skin
+  int rings_less;      // thin tissue feels the tool less far
+};
+constexpr std::array<DepthKind, 3> kDepthKinds = {
+    {{1, 2, 0.31, 1}, {2, 2, 0.5, 0}, {1e9, 3, 0.31, 0}}};
+
+std::size_t kind_of(double depth, double tool_radius) {
+  std::size_t kind = 0;
+  while (kind + 1 < kDepthKinds.size() && depth > kDepthKinds[kind].deepest * tool_radius) ++kind;
+  return kind;
+}
+
+PatchRule rule_of(const DepthKind& kind, double tool_radius) {
+  PatchRule rule = default_rule(tool_radius, kDomainPerTool * tool_radius, kind.layers);
+  rule.rings.resize(rule.rings.size() - kind.rings_less);
+  rule.first_layer = kind.first_layer * tool_radius;
+  rule.hold_rim = false;
+  return rule;
+}
 
 /// A few wide rings on one element layer: a tenth of the default patch's work. Its travel is some
 /// per cent off, but off alike at like places (docs/method/sweep.md).
@@ -54,7 +78,7 @@ class Presser {
         level_(level),
         store_(store),
         batched_(ground.flesh.neo_hookean_only()),
-        kinds_{make_kind(false), make_kind(true)} {}
+        kinds_{make_kind(0), make_kind(1), make_kind(2)} {}
 
   void run(std::span<const std::int32_t> sites, const Shard& shard, const Progress& progress,
            double from, double to) {
@@ -64,14 +88,15 @@ class Presser {
     });
     for (std::size_t i = 0; i < order.size(); ++i) {
       if (static_cast<int>(i / fem::lanes::kLanes % shard.count) != shard.index) continue;
-      if (!store_.find(level_, order[i])) kinds_[is_thick(order[i])].members.push_back(order[i]);
+      if (!store_.find(level_, order[i]))
+        kinds_[kind_of(ground_.spots[order[i]].depth, radius())].members.push_back(order[i]);
     }
-    const int thin = kinds_[0].batches();
-    parallel(thin + kinds_[1].batches(), ground_.options, progress, from, to, [&](int b) {
-      if (b < thin)
-        press_batch(kinds_[0], b, workspaces_[0].local());
-      else
-        press_batch(kinds_[1], b - thin, workspaces_[1].local());
+    std::vector<std::pair<std::size_t, int>> batches;  // kind, number
+    for (std::size_t k = 0; k < kinds_.size(); ++k)
+      for (int b = 0; b < kinds_[k].batches(); ++b) batches.emplace_back(k, b);
+    parallel(static_cast<int>(batches.size()), ground_.options, progress, from, to, [&](int i) {
+      const auto [k, b] = batches[i];
+      press_batch(kinds_[k], b, workspaces_[k].local());
     });
   }
 
@@ -79,17 +104,14 @@ class Presser {
   using Workspace = std::unique_ptr<fem::lanes::BatchPress>;
 
   double radius() const { return ground_.options.tool_radius; }
-  bool is_thick(std::int32_t site) const {
-    return ground_.spots[site].depth > kThickPerTool * radius();
-  }
 
-  Kind make_kind(bool thick) const {
-    PatchRule rule = rule_for_depth(thick ? 1e9 : 0, radius());
-    rule.layers = ground_.flesh.element_layers(thick);
+  Kind make_kind(std::size_t depth_kind) const {
+    PatchRule rule = rule_of(kDepthKinds[depth_kind], radius());
+    rule.layers = ground_.flesh.element_layers(rule.layers);
     if (level_ == SolveLevel::coarse) {
       rule = coarse_rule(radius());
       if (ground_.options.tissue.kind == TissueKind::layered)
-        rule.layers = ground_.flesh.element_layers(false);
+        rule.layers = ground_.flesh.element_layers(2);
     }
     Kind kind(rule);
     kind.levels = ground_.flesh.levels(rule.layers);
@@ -108,7 +130,7 @@ class Presser {
     for (const std::int32_t site : sites) {
       const PatchGeometry g = sample_patch(kind.tissue.columns, radius(), ground_.spots[site].frame,
                                            ground_.skin, ground_.bone, ground_.limits);
-      patches.push_back({patch_nodes(kind.tissue, g, first_layer(radius()), kind.levels),
+      patches.push_back({patch_nodes(kind.tissue, g, kind.tissue.rule.first_layer, kind.levels),
                          ground_.flesh.moduli(kind.tissue, g),
                          fem::default_penalty(ground_.flesh.surface_modulus(g), radius())});
       geometry.push_back(g);
@@ -117,7 +139,10 @@ class Presser {
     if (batched_) curves = press_lanes(kind, patches, workspace);
     for (int i = 0; i < count; ++i)
       if (!deepens(curves[i].travel)) curves[i] = press_in_double(kind, patches[i], geometry[i]);
-    for (int i = 0; i < count; ++i) curves[i].bent = geometry[i].bent > 0;
+    for (int i = 0; i < count; ++i) {
+      curves[i].bent = geometry[i].bent > 0;
+      if (level_ == SolveLevel::full) widen(curves[i].sunk, kind.rings.size());
+    }
     store_.put(level_, sites, curves);
   }
 
@@ -134,6 +159,17 @@ class Presser {
     return curves;
   }
 
+  /// Beyond the domain nothing sinks: zeros for the rings that a small template lacks.
+  void widen(std::vector<double>& sunk, std::size_t rings) const {
+    const std::size_t all = dent_radii(radius()).size(), loads = sunk.size() / rings;
+    std::vector<double> out;
+    for (std::size_t i = 0; i < loads; ++i) {
+      out.insert(out.end(), sunk.begin() + i * rings, sunk.begin() + (i + 1) * rings);
+      out.resize((i + 1) * all, 0.0);
+    }
+    sunk = std::move(out);
+  }
+
   SiteCurve press_in_double(const Kind& kind, const fem::lanes::BatchPatch& patch,
                             const PatchGeometry& geometry) const {
     fem::Cholesky cholesky(kind.tissue.topology.pattern);
@@ -145,21 +181,20 @@ class Presser {
   SolveLevel level_;
   Checkpoint& store_;
   bool batched_;
-  std::array<Kind, 2> kinds_;
-  std::array<tbb::enumerable_thread_specific<Workspace>, 2> workspaces_;
+  std::array<Kind, 3> kinds_;
+  std::array<tbb::enumerable_thread_specific<Workspace>, 3> workspaces_;
 };
 
 }  // namespace
 
 PatchRule rule_for_depth(double depth, double tool_radius) {
-  const int layers = depth > kThickPerTool * tool_radius ? 3 : 2;
-  PatchRule rule = default_rule(tool_radius, kDomainPerTool * tool_radius, layers);
-  rule.hold_rim = false;
-  return rule;
+  return rule_of(kDepthKinds[kind_of(depth, tool_radius)], tool_radius);
 }
 
-double first_layer(double tool_radius) {
-  return kFirstLayerShare * tool_radius;
+std::vector<double> dent_radii(double tool_radius) {
+  std::vector<double> radii = {0};
+  for (const Ring& r : rule_of(kDepthKinds.back(), tool_radius).rings) radii.push_back(r.radius);
+  return radii;
 }
 
 std::vector<double> coarse_forces(std::span<const double> forces) {

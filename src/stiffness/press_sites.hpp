@@ -19,10 +19,10 @@ void press_sites(const Ground& ground, SolveLevel level, std::span<const std::in
                  const Shard& shard, Checkpoint& store, const Progress& progress, double from,
                  double to);
 
-/// The template that a depth asks for: two layers, or three where tissue is thick.
+/// The template that a depth asks for: smaller for thin tissue, three layers where it is thick.
 [[nodiscard]] PatchRule rule_for_depth(double depth, double tool_radius);
-/// [mm] thickest top layer under a tool.
-[[nodiscard]] double first_layer(double tool_radius);
+/// [mm] distances from the site at which dents are noted, the middle first.
+[[nodiscard]] std::vector<double> dent_radii(double tool_radius);
 /// Loads that a coarse press takes: first, about two fifths, last.
 [[nodiscard]] std::vector<double> coarse_forces(std::span<const double> forces);
 

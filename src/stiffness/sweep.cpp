@@ -213,9 +213,7 @@ StiffnessMap map_of(const Ground& ground, const SkinPoints& points, const std::v
   map.displacement.assign(n * loads, kNan);
   map.region = points.region;
   map.dents.force = ground.forces[dent_load(ground.forces)];
-  map.dents.radii.push_back(0);
-  for (const Ring& r : rule_for_depth(0, map.tool_radius).rings)
-    map.dents.radii.push_back(r.radius);
+  map.dents.radii = dent_radii(map.tool_radius);
   const std::size_t rings = map.dents.radii.size();
   map.dents.share.assign(n * rings, kNan);
   for (std::size_t p = 0; p < n; ++p) {

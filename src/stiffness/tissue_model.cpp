@@ -70,11 +70,11 @@ bool Flesh::neo_hookean_only() const {
   return true;
 }
 
-int Flesh::element_layers(bool thick) const {
-  if (model_.kind != TissueKind::layered) return thick ? 3 : 2;
+int Flesh::element_layers(int wanted) const {
+  if (model_.kind != TissueKind::layered) return wanted;
   // Two element layers at least; one more, in the thickest sheet, where tissue is thick.
   const int sheets = static_cast<int>(model_.layers.size());
-  return std::max(sheets, 2) + (thick ? 1 : 0);
+  return std::max(sheets, 2) + (wanted > 2 ? 1 : 0);
 }
 
 int Flesh::tissue_layer(int element_layer, int layers) const {

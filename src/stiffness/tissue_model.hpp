@@ -51,8 +51,8 @@ class Flesh {
   /// Depth fractions of the template's levels, 0 to 1, so that element layers end where tissue
   /// layers do; empty: free to grade. `layers` are those of the template.
   [[nodiscard]] std::vector<double> levels(int layers) const;
-  /// Element layers that a template needs for tissue that is thin or thick for the tool.
-  [[nodiscard]] int element_layers(bool thick) const;
+  /// Element layers of a template that wants two, or three for tissue that is thick for the tool.
+  [[nodiscard]] int element_layers(int wanted) const;
 
   /// Small-strain moduli of a patch: one for all tetrahedra, or one each.
   [[nodiscard]] std::vector<fem::LameModuli> moduli(const PatchTemplate& t,

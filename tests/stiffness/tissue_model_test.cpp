@@ -32,7 +32,7 @@ std::vector<double> press_slab(const TissueModel& model) {
   const Flesh flesh(model, scenes::head(2).skin);
   PatchRule rule;
   rule.rings = {{3, 6}, {7, 8}, {16, 6}, {40, 6}};
-  rule.layers = flesh.element_layers(false);
+  rule.layers = flesh.element_layers(2);
   rule.touch_radius = 13;
   rule.hold_rim = false;
   const PatchTemplate t = make_template(rule);
