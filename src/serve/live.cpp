@@ -93,7 +93,12 @@ TouchedCurve touched_curve(const TouchModel& model, const haptics::TickOutput& o
 
 LiveTouch::LiveTouch(haptics::TouchCycle& cycle, const haptics::TouchLoop& loop,
                      PointerDevice* pointer, const haptics::Recorder* recorder, LiveFacts facts)
-    : cycle_(cycle), loop_(loop), pointer_(pointer), recorder_(recorder), facts_(std::move(facts)) {
+    : cycle_(cycle),
+      loop_(loop),
+      pointer_(pointer),
+      recorder_(recorder),
+      facts_(std::move(facts)),
+      regions_(regions_of(*cycle.setup().model)) {
   if (!pointer_) return;
   workspace_ = haptics::facing(*cycle_.setup().model, pointer_->info());
   pointer_->begin(Vec3::Zero(), Vec3::Zero());
@@ -123,7 +128,7 @@ json LiveTouch::hello() const {
           {"reshaped", setup.reshaped},
           {"region_names", names},
           {"trip_names", trips},
-          {"regions", regions_of(*setup.model)},
+          {"regions", regions_},
           {"colors", colors()},
           {"fingerprint", fmt::format("{:016x}", setup.model->fingerprint)},
           {"recording", facts_.recording},

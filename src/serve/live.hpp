@@ -65,6 +65,7 @@ class LiveTouch {
   PointerDevice* pointer_;
   const haptics::Recorder* recorder_;
   LiveFacts facts_;
+  nlohmann::json regions_;        // found once: a new connection must cost little
   haptics::Workspace workspace_;  // the pointer's
   PressPlace place_;
   std::uint64_t owner_ = 0;  // 0: nobody presses

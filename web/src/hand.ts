@@ -149,8 +149,7 @@ export class Hand {
   private pressAtCross(): void {
     if (this.pressing) return this.release();
     if (!this.side.mayPress()) return;
-    const box = this.canvas.getBoundingClientRect();
-    const at = this.pickAt(box.left + box.width / 2, box.top + box.height / 2);
+    const at = this.pickAt(...this.view.middle());
     if (at) this.begin(at);
   }
 

@@ -198,6 +198,10 @@ class Page {
     byId("help-button").addEventListener("click", () => byId<HTMLDialogElement>("help").showModal());
     byId<HTMLFormElement>("controls").addEventListener("submit", (e) => e.preventDefault());
     new ResizeObserver(() => this.repaint()).observe(byId("curve"));
+    const controls = byId("controls");
+    const place = () => (this.view.covered = controls.offsetTop + controls.offsetHeight);
+    new ResizeObserver(place).observe(controls);
+    place();
   }
 
   private setOpacity(value: number): void {

@@ -35,6 +35,8 @@ export class View {
   /** ms from one drawn frame to the next while something moves */
   frameTime = 0;
   frames = 0;
+  /** CSS pixels at the top that the controls cover: the head is placed below them */
+  private inset = 0;
   showDent = true;
   showArrow = true;
 
@@ -84,10 +86,18 @@ export class View {
     this.dirty = true;
   }
 
+  set covered(pixels: number) {
+    if (pixels === this.inset) return;
+    this.inset = pixels;
+    this.canvas.parentElement?.style.setProperty("--covered", `${pixels}px`);
+    if (this.head) this.fit();
+  }
+
   /** The whole head in the picture. */
   fit(): void {
     const half = THREE.MathUtils.degToRad(this.camera.fov / 2);
-    const narrow = Math.atan(Math.tan(half) * Math.min(1, this.camera.aspect));
+    const free = 1 - this.inset / Math.max(1, this.canvas.clientHeight);
+    const narrow = Math.atan(Math.tan(half) * Math.min(free, this.camera.aspect));
     this.distance = (0.94 * this.reach) / Math.sin(narrow);
     this.touch();
   }
@@ -191,6 +201,11 @@ export class View {
     return [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
   }
 
+  /** Where the head turns about, in CSS pixels of the page; the cross is there. */
+  middle(): [number, number] {
+    return this.place(this.target.toArray() as Vec3);
+  }
+
   touch(): void {
     this.dirty = true;
   }
@@ -220,6 +235,8 @@ export class View {
     this.camera.lookAt(this.target);
     this.camera.near = Math.max(5, this.distance - 3 * this.reach);
     this.camera.far = this.distance + 3 * this.reach;
+    const { clientWidth: w, clientHeight: h } = this.canvas;
+    if (w > 0 && h > 0) this.camera.setViewOffset(w, h, 0, -this.inset / 2, w, h);
     this.camera.updateProjectionMatrix();
     this.camera.updateMatrixWorld();
   }

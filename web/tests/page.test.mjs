@@ -23,7 +23,7 @@ async function open(url, size = { width: 1366, height: 768 }, scheme = "light") 
   const fresh = await browser.newPage({ viewport: size, colorScheme: scheme });
   fresh.on("pageerror", (error) => complaints.push(error.message));
   fresh.on("console", (m) => m.type() === "error" && complaints.push(m.text()));
-  await fresh.goto(url);
+  await fresh.goto(url, { timeout: PATIENCE });
   await ready(fresh);
   return fresh;
 }
