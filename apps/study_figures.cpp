@@ -22,9 +22,9 @@ plot::Column column(const st::Proportion& p) {
   return {100 * p.share, 100 * p.wilson.low, 100 * p.wilson.high};
 }
 
-StudyFigure ratings_by_condition(const Results& r) {
+StudyFigure ratings_by_condition(const Results& r, const std::string& mark) {
   plot::ColumnChart chart;
-  chart.title = "Ratings of stiffness";
+  chart.title = "Ratings of stiffness" + mark;
   chart.y_label = "mean rating, 95 % interval";
   for (const Condition& c : r.conditions)
     if (c.id != "both") chart.series.push_back({c.title, ""});
@@ -37,9 +37,9 @@ StudyFigure ratings_by_condition(const Results& r) {
   return {"ratings", svg(chart), "Mean rating of each place; bars are 95 % intervals of the mean."};
 }
 
-StudyFigure ratings_spread(const Condition& c, const Results& r) {
+StudyFigure ratings_spread(const Condition& c, const Results& r, const std::string& mark) {
   plot::StripPlot strips;
-  strips.title = "Every rating: " + c.title;
+  strips.title = "Every rating: " + c.title + mark;
   strips.y_label = "rating";
   for (std::size_t k = 0; k < r.regions.size(); ++k)
     strips.strips.push_back({r.regions[k], c.regions[k].value, ""});
@@ -49,9 +49,9 @@ StudyFigure ratings_spread(const Condition& c, const Results& r) {
       "1.5 box heights."};
 }
 
-StudyFigure groups(const Grouping& g, const Results& r) {
+StudyFigure groups(const Grouping& g, const Results& r, const std::string& mark) {
   plot::ColumnChart chart;
-  chart.title = "Ratings by group: " + spaced(g.question);
+  chart.title = "Ratings by group: " + spaced(g.question) + mark;
   chart.y_label = "mean rating, 95 % interval";
   for (std::size_t l = 0; l < g.levels.size(); ++l)
     chart.series.push_back({fmt::format("{} (n = {})", g.levels[l], g.sizes[l]), ""});
@@ -64,9 +64,9 @@ StudyFigure groups(const Grouping& g, const Results& r) {
           "Mean of each person's ratings in all experiments, by group."};
 }
 
-StudyFigure pairs(const Results& r) {
+StudyFigure pairs(const Results& r, const std::string& mark) {
   plot::SlopePlot slopes;
-  slopes.title = "Touch only against touch and sight";
+  slopes.title = "Touch only against touch and sight" + mark;
   slopes.y_label = "rating";
   slopes.left_name = "touch";
   slopes.right_name = "+ sight";
@@ -80,9 +80,9 @@ StudyFigure pairs(const Results& r) {
           "Each thin line is one person, the thick line the mean. p: paired t, adjusted by Holm."};
 }
 
-StudyFigure selection(const Results& r, bool toughest) {
+StudyFigure selection(const Results& r, bool toughest, const std::string& mark) {
   plot::ColumnChart chart;
-  chart.title = toughest ? "Chosen as toughest" : "Chosen as softest";
+  chart.title = std::string(toughest ? "Chosen as toughest" : "Chosen as softest") + mark;
   chart.y_label = "people [%], 95 % interval";
   std::vector<const Selection*> shown;
   for (const Selection& s : r.selections)
@@ -102,9 +102,9 @@ StudyFigure selection(const Results& r, bool toughest) {
           "reference order."};
 }
 
-StudyFigure rankings(const Results& r) {
+StudyFigure rankings(const Results& r, const std::string& mark) {
   plot::StripPlot strips;
-  strips.title = "Ranking of the places";
+  strips.title = "Ranking of the places" + mark;
   strips.y_label = "pairs in the reference order [%]";
   for (const Ranking& k : r.rankings) {
     plot::Strip strip{k.title, {}, ""};
@@ -116,9 +116,9 @@ StudyFigure rankings(const Results& r) {
       "Each dot is one person: of all pairs of places, the share not rated the wrong way round."};
 }
 
-StudyFigure rationality(const Rationality& r) {
+StudyFigure rationality(const Rationality& r, const std::string& mark) {
   plot::StripPlot strips;
-  strips.title = "Rationality";
+  strips.title = "Rationality" + mark;
   strips.y_label = "rating";
   strips.strips.push_back({"everyone", r.ratings.value, ""});
   strips.reference = r.reference;
@@ -128,9 +128,9 @@ StudyFigure rationality(const Rationality& r) {
           "How well the stiffness of the whole head makes sense; each dot is one person."};
 }
 
-StudyFigure felt(const FeltAgainstMap& f, const Results& r) {
+StudyFigure felt(const FeltAgainstMap& f, const Results& r, const std::string& mark) {
   plot::DotPlot dots;
-  dots.title = "Felt against the map: " + f.title;
+  dots.title = "Felt against the map: " + f.title + mark;
   dots.x_label = "stiffness of the map at the touched point [N/mm], logarithms fitted";
   dots.y_label = "mean rating";
   dots.x_from_zero = dots.y_from_zero = true;
@@ -150,9 +150,9 @@ StudyFigure felt(const FeltAgainstMap& f, const Results& r) {
           "Mean rating of each place over the stiffness that the head has there."};
 }
 
-StudyFigure psychometric(const Discrimination& d) {
+StudyFigure psychometric(const Discrimination& d, const std::string& mark) {
   plot::DotPlot dots;
-  dots.title = "Discrimination of stiffness";
+  dots.title = "Discrimination of stiffness" + mark;
   dots.x_label = "relative difference of stiffness";
   dots.y_label = "right choices [%]";
   dots.x_from_zero = true;
@@ -181,9 +181,9 @@ StudyFigure psychometric(const Discrimination& d) {
           "observer fitted to all choices."};
 }
 
-StudyFigure weber_fractions(const Discrimination& d) {
+StudyFigure weber_fractions(const Discrimination& d, const std::string& mark) {
   plot::StripPlot strips;
-  strips.title = "Weber fractions";
+  strips.title = "Weber fractions" + mark;
   strips.y_label = "relative difference for 75 % right";
   for (const WeberRow& row : d.rows) {
     auto at = std::find_if(strips.strips.begin(), strips.strips.end(),
@@ -197,27 +197,27 @@ StudyFigure weber_fractions(const Discrimination& d) {
 }  // namespace
 
 std::vector<StudyFigure> study_figures(const StudyData& data, const Results& r) {
+  // In the picture itself: it may travel without the page.
+  const std::string mark = data.study.simulated ? " — simulated participants" : "";
   std::vector<StudyFigure> out;
   if (!r.conditions.empty()) {
-    out.push_back(ratings_by_condition(r));
+    out.push_back(ratings_by_condition(r, mark));
     for (const Condition& c : r.conditions)
-      if (c.id != "both") out.push_back(ratings_spread(c, r));
+      if (c.id != "both") out.push_back(ratings_spread(c, r, mark));
   }
-  for (const Grouping& g : r.groupings) out.push_back(groups(g, r));
-  if (!r.paired.empty()) out.push_back(pairs(r));
+  for (const Grouping& g : r.groupings) out.push_back(groups(g, r, mark));
+  if (!r.paired.empty()) out.push_back(pairs(r, mark));
   for (const bool toughest : {true, false})
     if (std::any_of(r.selections.begin(), r.selections.end(),
                     [toughest](const Selection& s) { return s.toughest == toughest; }))
-      out.push_back(selection(r, toughest));
-  if (!r.rankings.empty()) out.push_back(rankings(r));
-  for (const Rationality& one : r.rationality) out.push_back(rationality(one));
-  for (const FeltAgainstMap& f : r.felt) out.push_back(felt(f, r));
+      out.push_back(selection(r, toughest, mark));
+  if (!r.rankings.empty()) out.push_back(rankings(r, mark));
+  for (const Rationality& one : r.rationality) out.push_back(rationality(one, mark));
+  for (const FeltAgainstMap& f : r.felt) out.push_back(felt(f, r, mark));
   if (!r.discrimination.rows.empty()) {
-    out.push_back(psychometric(r.discrimination));
-    out.push_back(weber_fractions(r.discrimination));
+    out.push_back(psychometric(r.discrimination, mark));
+    out.push_back(weber_fractions(r.discrimination, mark));
   }
-  if (data.study.simulated)
-    for (StudyFigure& f : out) f.caption += " Simulated participants.";
   return out;
 }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <chrono>
 #include <cmath>
+#include <cstdio>
 #include <cstring>
 #include <filesystem>
 #include <numbers>
@@ -170,6 +171,7 @@ Run analyse_with(const fs::path& program, const fs::path& file, const fs::path& 
   const auto from = Clock::now();
   const pid_t child = fork();
   if (child == 0) {
+    if (!std::freopen("/dev/null", "w", stdout)) _exit(127);
     execl(program.c_str(), program.c_str(), "study", "analyse", file.c_str(), "-o", folder.c_str(),
           "--quiet", static_cast<char*>(nullptr));
     _exit(127);

@@ -112,6 +112,9 @@ TEST_F(StudyAnalyse, PublishedProtocolGivesReportTablesFiguresAndBids) {
        {"figures/ratings.svg", "figures/touch-and-sight.svg", "tables/trials.csv",
         "tables/tests.csv", "bids/dataset_description.json", "bids/participants.tsv"})
     EXPECT_TRUE(fs::is_regular_file(results_ / file)) << file;
+  for (const auto& figure : fs::directory_iterator(results_ / "figures"))
+    EXPECT_NE(read_file(figure.path()).find("simulated participants"), std::string::npos)
+        << figure.path();
   const auto summary = nlohmann::json::parse(read_file(results_ / "analysis.json"));
   EXPECT_EQ(summary["participants"], 8);
   EXPECT_TRUE(summary["simulated"].get<bool>());
