@@ -169,6 +169,7 @@ struct Run {
 };
 Run analyse_with(const fs::path& program, const fs::path& file, const fs::path& folder) {
   const auto from = Clock::now();
+  std::fflush(stdout);  // else the child would print it again
   const pid_t child = fork();
   if (child == 0) {
     if (!std::freopen("/dev/null", "w", stdout)) _exit(127);
