@@ -105,12 +105,15 @@ int main(int argc, char** argv) {
   serve::raw::Client page(server.port());
   if (!page.upgrade()) return 1;
   std::atomic<bool> done{false};
-  // Now and then a pong, as a browser answers: silent pages are dropped after a while.
+  // A pong now and then, as a browser answers: the server drops a page that is silent for 20 s.
   std::thread reader([&] {
     constexpr unsigned kPong = 10;
-    for (int i = 0; !done && page.open(); ++i) {
+    auto next = Clock::now();
+    while (!done && page.open()) {
       (void)page.receive(100);
-      if (i % 600 == 0) page.send(serve::raw::frame("", kPong));
+      if (Clock::now() < next) continue;
+      page.send(serve::raw::frame("", kPong));
+      next += std::chrono::seconds(3);
     }
   });
   const auto watch = [&](const char* when, const auto& work) {
