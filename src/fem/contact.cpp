@@ -137,7 +137,7 @@ double Contact::energy(const Eigen::VectorXd& x) const {
   double sum = 0;
   for (const Point& p : points_) {
     const double g = gap_value(position(x, p), x[topology_.travel()]);
-    if (g < 0) sum += p.area * g * g;
+    if (touches(g)) sum += p.area * g * g;
   }
   return 0.5 * indenter_.penalty * sum;
 }
@@ -151,7 +151,7 @@ void Contact::add_derivatives(const Eigen::VectorXd& x, HessianKind kind, Eigen:
   const int travel = topology_.travel();
   for (const Point& p : points_) {
     const Vec3 at = position(x, p);
-    if (gap_value(at, x[travel]) >= 0) continue;
+    if (!touches(gap_value(at, x[travel]))) continue;
     const Gap g = gap(at, x[travel]);
     const Vec3 force = p.area * indenter_.penalty * g.value * g.gradient;
     Mat3 M = p.area * indenter_.penalty * g.gradient * g.gradient.transpose();

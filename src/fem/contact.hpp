@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Frictionless contact of the skin with a rigid indenter that travels along its axis.
 #pragma once
-#include "fem/elastic_body.hpp"
+#include "fem/body.hpp"
 
 namespace palpate::fem {
 
@@ -16,6 +16,9 @@ struct Indenter {
   Vec3 start = Vec3::Zero();   ///< [mm]
   /// Pressure per penetration [MPa/mm]; see default_penalty().
   double penalty = 5;
+  /// The skin under the punch follows its plane in both directions (and slides in it). The same
+  /// equilibrium where all of it presses, in one Newton step and at any penalty.
+  bool bilateral = false;
 };
 
 /// 900 E / R (5 MPa/mm for a fingertip on flesh): with the correction of press() the travel is
@@ -56,6 +59,7 @@ class Contact {
   };
   [[nodiscard]] Gap gap(const Vec3& skin_point, double travel) const;
   [[nodiscard]] Vec3 position(const Eigen::VectorXd& x, const Point& p) const;
+  [[nodiscard]] bool touches(double gap) const { return gap < 0 || indenter_.bilateral; }
   /// Cheaper than gap(): value only.
   [[nodiscard]] double gap_value(const Vec3& skin_point, double travel) const;
 

@@ -8,52 +8,70 @@
 #include "core/error.hpp"
 
 namespace palpate::fem {
+namespace {
 
-ElasticBody::ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
-                         std::shared_ptr<const EnergyDensity> law, std::vector<Vec3> prescribed)
-    : ElasticBody(topology, nodes,
-                  std::vector<std::shared_ptr<const EnergyDensity>>{std::move(law)},
-                  std::move(prescribed)) {}
+void check_laws(const TissueLaws& laws, int tets) {
+  if (!laws.of_tet.empty() && laws.of_tet.size() != static_cast<std::size_t>(tets))
+    throw InputError(fmt::format("{} tetrahedra, laws for {}", tets, laws.of_tet.size()));
+  for (std::size_t t = 0; t < laws.of_tet.size(); ++t)
+    if (laws.of_tet[t] >= laws.laws.size())
+      throw InputError(fmt::format("tetrahedron {} has law {}, there are {}", t, laws.of_tet[t],
+                                   laws.laws.size()));
+}
 
-ElasticBody::ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes,
-                         std::vector<std::shared_ptr<const EnergyDensity>> laws,
+}  // namespace
+
+TissueLaws neo_hookean_centred(const LameModuli& m) {
+  TissueLaws laws(neo_hookean({0, m.mu}));
+  laws.at_centre = neo_hookean({m.lambda, 0});
+  return laws;
+}
+
+TissueLaws linear_elastic_centred(const LameModuli& m) {
+  TissueLaws laws(linear_elastic({0, m.mu}));
+  laws.at_centre = linear_elastic({m.lambda, 0});
+  return laws;
+}
+
+ElasticBody::ElasticBody(const Topology& topology, const std::vector<Vec3>& nodes, TissueLaws laws,
                          std::vector<Vec3> prescribed)
-    : topology_(topology), laws_(std::move(laws)), prescribed_(std::move(prescribed)) {
-  const TetQuadrature& rule = stiffness_quadrature(topology.order);
-  const int stride = tet_nodes(topology.order);
-  points_per_tet_ = static_cast<int>(rule.weights.size());
+    : Body(topology, std::move(prescribed)), laws_(std::move(laws)) {
+  check_laws(laws_, static_cast<int>(topology.tets.size()) / tet_nodes(topology.order));
+  add_points(nodes, stiffness_quadrature(topology.order));
+  if (laws_.at_centre) add_points(nodes, stiffness_quadrature(ElementOrder::linear));
+}
+
+void ElasticBody::add_points(const std::vector<Vec3>& nodes, const TetQuadrature& rule) {
+  const int stride = tet_nodes(topology().order);
   std::vector<Eigen::Matrix<double, Eigen::Dynamic, 3>> reference;
-  for (const auto& b : rule.points) reference.push_back(tet_shape_gradient(topology.order, b));
-  const int tets = static_cast<int>(topology.tets.size()) / stride;
-  volume_.reserve(tets * points_per_tet_);
-  gradient_.reserve(tets * points_per_tet_ * stride * 3);
+  for (const auto& b : rule.points) reference.push_back(tet_shape_gradient(topology().order, b));
+  Points out{static_cast<int>(rule.weights.size()), {}, {}};
+  const int tets = static_cast<int>(topology().tets.size()) / stride;
+  out.volume.reserve(tets * out.per_tet);
+  out.gradient.reserve(tets * out.per_tet * stride * 3);
   for (int t = 0; t < tets; ++t)
-    for (int q = 0; q < points_per_tet_; ++q) {
+    for (int q = 0; q < out.per_tet; ++q) {
       Mat3 jacobian = Mat3::Zero();  // dX/d(b1, b2, b3)
       for (int a = 0; a < stride; ++a)
-        jacobian += nodes[topology.tets[t * stride + a]] * reference[q].row(a);
+        jacobian += nodes[topology().tets[t * stride + a]] * reference[q].row(a);
       const double det = jacobian.determinant();
       if (!(det > 0))
         throw InputError(fmt::format("tetrahedron {} is inverted (Jacobian {} mm^3)", t, det));
-      volume_.push_back(rule.weights[q] * det / 6);
+      out.volume.push_back(rule.weights[q] * det / 6);
       const Mat3 inverse = jacobian.inverse();
       for (int a = 0; a < stride; ++a) {
         const Vec3 g = inverse.transpose() * reference[q].row(a).transpose();
-        gradient_.insert(gradient_.end(), g.data(), g.data() + 3);
+        out.gradient.insert(out.gradient.end(), g.data(), g.data() + 3);
       }
     }
+  rules_.push_back(std::move(out));
 }
 
-Vec3 ElasticBody::displacement(const Eigen::VectorXd& x, int node) const {
-  const int f = topology_.free_node[node];
-  if (f >= 0) return x.segment<3>(3 * f);
-  return prescribed_.empty() ? Vec3::Zero() : prescribed_[node];
-}
-
-Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& x, std::size_t point) const {
-  const int stride = tet_nodes(topology_.order);
-  const std::int32_t* node = &topology_.tets[point / points_per_tet_ * stride];
-  const double* g = &gradient_[point * stride * 3];
+Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& x, const Points& points,
+                                       std::size_t point) const {
+  const int stride = tet_nodes(topology().order);
+  const std::int32_t* node = &topology().tets[point / points.per_tet * stride];
+  const double* g = &points.gradient[point * stride * 3];
   Mat3 F = Mat3::Identity();
   for (int a = 0; a < stride; ++a, g += 3)
     F.noalias() += displacement(x, node[a]) * Eigen::Map<const Vec3>(g).transpose();
@@ -62,49 +80,54 @@ Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& x, std::size_t poi
 
 double ElasticBody::energy(const Eigen::VectorXd& x) const {
   double sum = 0;
-  for (std::size_t p = 0; p < volume_.size(); ++p) {
-    const double psi = law(p).value(deformation_gradient(x, p));
-    if (psi == kInadmissible) return kInadmissible;
-    sum += volume_[p] * psi;
-  }
+  for (std::size_t r = 0; r < rules_.size(); ++r)
+    for (std::size_t p = 0; p < rules_[r].volume.size(); ++p) {
+      const double psi = law(r, p / rules_[r].per_tet).value(deformation_gradient(x, rules_[r], p));
+      if (psi == kInadmissible) return kInadmissible;
+      sum += rules_[r].volume[p] * psi;
+    }
   return sum;
 }
 
 void ElasticBody::add_derivatives(const Eigen::VectorXd& x, HessianKind kind,
                                   Eigen::VectorXd* gradient, std::vector<double>* hessian) const {
-  const int stride = tet_nodes(topology_.order);
-  std::vector<Mat9> tangents(points_per_tet_);
-  for (std::size_t p = 0; p < volume_.size(); ++p) {
-    const Mat3 F = deformation_gradient(x, p);
-    const int tet = static_cast<int>(p / points_per_tet_);
-    if (gradient) {
-      const Mat3 P = volume_[p] * law(p).stress(F);
-      for (int a = 0; a < stride; ++a) {
-        const int f = topology_.free_node[topology_.tets[tet * stride + a]];
-        const Eigen::Map<const Vec3> g(&gradient_[(p * stride + a) * 3]);
-        if (f >= 0) gradient->segment<3>(3 * f) += P * g;
+  const int stride = tet_nodes(topology().order);
+  for (std::size_t r = 0; r < rules_.size(); ++r) {
+    const Points& points = rules_[r];
+    std::vector<Mat9> tangents(points.per_tet);
+    for (std::size_t p = 0; p < points.volume.size(); ++p) {
+      const Mat3 F = deformation_gradient(x, points, p);
+      const int tet = static_cast<int>(p / points.per_tet);
+      if (gradient) {
+        const Mat3 P = points.volume[p] * law(r, tet).stress(F);
+        for (int a = 0; a < stride; ++a) {
+          const int f = topology().free_node[topology().tets[tet * stride + a]];
+          const Eigen::Map<const Vec3> g(&points.gradient[(p * stride + a) * 3]);
+          if (f >= 0) gradient->segment<3>(3 * f) += P * g;
+        }
       }
+      if (!hessian) continue;
+      Mat9& A = tangents[p % points.per_tet];
+      A = law(r, tet).tangent(F);
+      if (kind == HessianKind::projected) A = positive_part(A);
+      A *= points.volume[p];
+      if ((p + 1) % points.per_tet == 0) add_element_hessian(points, tet, tangents, *hessian);
     }
-    if (!hessian) continue;
-    Mat9& A = tangents[p % points_per_tet_];
-    A = law(p).tangent(F);
-    if (kind == HessianKind::projected) A = positive_part(A);
-    A *= volume_[p];
-    if ((p + 1) % points_per_tet_ == 0) add_element_hessian(tet, tangents, *hessian);
   }
 }
 
-void ElasticBody::add_element_hessian(int tet, const std::vector<Mat9>& tangents,
+void ElasticBody::add_element_hessian(const Points& points, int tet,
+                                      const std::vector<Mat9>& tangents,
                                       std::vector<double>& hessian) const {
-  const int stride = tet_nodes(topology_.order);
+  const int stride = tet_nodes(topology().order);
   for (int b = 0; b < stride; ++b) {
-    const int fb = topology_.free_node[topology_.tets[tet * stride + b]];
+    const int fb = topology().free_node[topology().tets[tet * stride + b]];
     if (fb < 0) continue;
     std::array<Mat3, 10> block;
     for (int a = 0; a <= b; ++a) block[a].setZero();
-    for (int q = 0; q < points_per_tet_; ++q) {
+    for (int q = 0; q < points.per_tet; ++q) {
       const double* g =
-          &gradient_[static_cast<std::size_t>(tet * points_per_tet_ + q) * stride * 3];
+          &points.gradient[static_cast<std::size_t>(tet * points.per_tet + q) * stride * 3];
       Eigen::Matrix<double, 9, 3> AG = g[3 * b] * tangents[q].middleCols<3>(0);
       AG += g[3 * b + 1] * tangents[q].middleCols<3>(3);
       AG += g[3 * b + 2] * tangents[q].middleCols<3>(6);
@@ -113,22 +136,37 @@ void ElasticBody::add_element_hessian(int tet, const std::vector<Mat9>& tangents
                     g[3 * a + 2] * AG.bottomRows<3>();
     }
     for (int a = 0; a <= b; ++a) {
-      const int fa = topology_.free_node[topology_.tets[tet * stride + a]];
-      if (fa >= 0) topology_.add_block(hessian, fa, fb, block[a]);
+      const int fa = topology().free_node[topology().tets[tet * stride + a]];
+      if (fa >= 0) topology().add_block(hessian, fa, fb, block[a]);
     }
   }
 }
 
 std::vector<Vec3> ElasticBody::nodal_forces(const Eigen::VectorXd& x) const {
-  const int stride = tet_nodes(topology_.order);
-  std::vector<Vec3> force(topology_.free_node.size(), Vec3::Zero());
-  for (std::size_t p = 0; p < volume_.size(); ++p) {
-    const Mat3 P = volume_[p] * law(p).stress(deformation_gradient(x, p));
-    for (int a = 0; a < stride; ++a)
-      force[topology_.tets[p / points_per_tet_ * stride + a]] -=
-          P * Eigen::Map<const Vec3>(&gradient_[(p * stride + a) * 3]);
-  }
+  const int stride = tet_nodes(topology().order);
+  std::vector<Vec3> force(topology().free_node.size(), Vec3::Zero());
+  for (std::size_t r = 0; r < rules_.size(); ++r)
+    for (std::size_t p = 0; p < rules_[r].volume.size(); ++p) {
+      const std::size_t tet = p / rules_[r].per_tet;
+      const Mat3 P =
+          rules_[r].volume[p] * law(r, tet).stress(deformation_gradient(x, rules_[r], p));
+      for (int a = 0; a < stride; ++a)
+        force[topology().tets[tet * stride + a]] -=
+            P * Eigen::Map<const Vec3>(&rules_[r].gradient[(p * stride + a) * 3]);
+    }
   return force;
+}
+
+int ElasticBody::inverted_tets(const Eigen::VectorXd& x) const {
+  const Points& points = rules_.front();
+  int count = 0;
+  for (std::size_t first = 0; first < points.volume.size(); first += points.per_tet) {
+    bool inverted = false;
+    for (int q = 0; q < points.per_tet && !inverted; ++q)
+      inverted = !(deformation_gradient(x, points, first + q).determinant() > 0);
+    count += inverted;
+  }
+  return count;
 }
 
 }  // namespace palpate::fem

@@ -18,6 +18,24 @@ TetQuadrature four_points() {
   return q;
 }
 
+/// Gauss points of a cube, collapsed to the tetrahedron.
+TetQuadrature conical_product() {
+  constexpr std::array<double, 4> x = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
+                                       0.8611363115940526};
+  constexpr std::array<double, 4> w = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
+                                       0.3478548451374538};
+  TetQuadrature q;
+  for (int i = 0; i < 4; ++i)
+    for (int j = 0; j < 4; ++j)
+      for (int k = 0; k < 4; ++k) {
+        const double a = 0.5 * (1 + x[i]), b = 0.5 * (1 + x[j]), c = 0.5 * (1 + x[k]);
+        q.points.push_back(
+            {a, b * (1 - a), c * (1 - a) * (1 - b), 1 - a - b * (1 - a) - c * (1 - a) * (1 - b)});
+        q.weights.push_back(6 * w[i] * w[j] * w[k] / 8 * (1 - a) * (1 - a) * (1 - b));
+      }
+  return q;
+}
+
 FaceQuadrature twelve_points() {
   FaceQuadrature q;
   const auto add = [&q](double a, double b, double c, double w) {
@@ -43,6 +61,11 @@ const TetQuadrature& stiffness_quadrature(ElementOrder order) {
   static const TetQuadrature one{{Eigen::Vector4d::Constant(0.25)}, {1.0}};
   static const TetQuadrature four = four_points();
   return order == ElementOrder::linear ? one : four;
+}
+
+const TetQuadrature& fine_quadrature() {
+  static const TetQuadrature rule = conical_product();
+  return rule;
 }
 
 const FaceQuadrature& contact_quadrature() {

@@ -36,6 +36,9 @@ struct FaceQuadrature {
 /// One point for P1, four points (exact to degree 2) for P2: exact for the stiffness of a
 /// straight-sided element at rest.
 [[nodiscard]] const TetQuadrature& stiffness_quadrature(ElementOrder order);
+/// 64 points, exact to degree 5: masses and errors of known fields.
+/// @cite Stroud 1971, "Approximate Calculation of Multiple Integrals" (conical product rules)
+[[nodiscard]] const TetQuadrature& fine_quadrature();
 /// Twelve points, exact to degree 6.
 /// @cite Dunavant 1985, "High degree efficient symmetrical Gaussian quadrature rules"
 [[nodiscard]] const FaceQuadrature& contact_quadrature();

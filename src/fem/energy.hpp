@@ -54,21 +54,35 @@ struct LameModuli {
 
 /// psi = mu E:E + lambda/2 tr^2(E), E = (F'F - I)/2. Softens and collapses under compression;
 /// kept because the source used it (thesis, eq. 3.9).
-[[nodiscard]] std::unique_ptr<EnergyDensity> st_venant_kirchhoff(const LameModuli& moduli);
+/// @param compression_resistance  c >= 0 [-] adds c E / (1 - 2 nu) (1 - J)^3 / 2592 where J < 1,
+/// the
+///   cubic wall of VEGA FEM's invertible materials (its usual value is 500). It stiffens a
+///   collapsing element but forbids nothing; 0 leaves it out, as the source did.
+/// @cite Barbic, Sin & Schroeder 2012, "Vega FEM Library"
+[[nodiscard]] std::unique_ptr<EnergyDensity> st_venant_kirchhoff(const LameModuli& moduli,
+                                                                 double compression_resistance = 0);
 
 /// psi = mu |F - R|^2 + lambda/2 tr^2(R'F - I), R the rotation nearest to F.
 /// @cite Stomakhin et al. 2012, "Energetically Consistent Invertible Elasticity", section 3
 [[nodiscard]] std::unique_ptr<EnergyDensity> corotational(const LameModuli& moduli);
 
+/// How the volume's share of the energy is written.
+enum class VolumeTerm {
+  log_squared,  ///< U = k ln^2 J: the source's
+  quadratic     ///< U = k (J - 1)^2: CalculiX's, Abaqus' (k = 1/D1)
+};
+
 /// The source's hyperelastic law (thesis, eq. 3.16-3.20).
 struct MooneyRivlin {
-  double a = 0;                     ///< [MPa] weight of (I1bar - 3)
-  double b = 0;                     ///< [MPa] weight of (I2bar - 3); small-strain mu = 2 (a + b)
-  double k = 0;                     ///< [MPa] U = k ln^2 J; small-strain bulk modulus = 2 k
+  double a = 0;  ///< [MPa] weight of (I1bar - 3)
+  double b = 0;  ///< [MPa] weight of (I2bar - 3); small-strain mu = 2 (a + b)
+  double k = 0;  ///< [MPa] weight of U; small-strain bulk modulus = 2 k
+  VolumeTerm volume = VolumeTerm::log_squared;
   double fibre_modulus = 0;         ///< [MPa] F2 = fibre_modulus/2 (lambda^2 - 1)^2; 0: none
   Vec3 fibre_axis = Vec3::UnitX();  ///< [-] unit, rest frame
 };
-/// psi = a (I1bar - 3) + b (I2bar - 3) + k ln^2 J + fibre, on Cbar = J^(-2/3) F'F. Forbids J <= 0.
+/// psi = F1 + U + F2 = a (I1bar - 3) + b (I2bar - 3) + U(J) + fibre, on Cbar = J^(-2/3) F'F.
+/// Forbids J <= 0. b = 0 is the isochoric neo-Hookean law.
 [[nodiscard]] std::unique_ptr<EnergyDensity> mooney_rivlin(const MooneyRivlin& parameters);
 /// a = b = mu/4 and k = K/2, so that small strains agree with E and nu.
 [[nodiscard]] MooneyRivlin mooney_rivlin_from(const LameModuli& moduli);

@@ -6,30 +6,10 @@
 #include <algorithm>
 
 #include "core/error.hpp"
+#include "fem/dead_load.hpp"
 
 namespace palpate::fem {
 namespace {
-
-class DeadLoaded final : public Potential {
- public:
-  DeadLoaded(const ElasticBody& body, Eigen::VectorXd force)
-      : body_(body), force_(std::move(force)) {}
-  double value(const Eigen::VectorXd& x) const override { return body_.energy(x) - force_.dot(x); }
-  Eigen::VectorXd gradient(const Eigen::VectorXd& x) const override {
-    Eigen::VectorXd g = -force_;
-    body_.add_derivatives(x, HessianKind::exact, &g, nullptr);
-    return g;
-  }
-  void hessian(const Eigen::VectorXd& x, HessianKind kind,
-               std::vector<double>& values) const override {
-    std::fill(values.begin(), values.end(), 0.0);
-    body_.add_derivatives(x, kind, nullptr, &values);
-  }
-
- private:
-  const ElasticBody& body_;
-  Eigen::VectorXd force_;
-};
 
 void check_node(std::int32_t node, std::size_t nodes, const char* what) {
   if (node < 0 || static_cast<std::size_t>(node) >= nodes)
@@ -37,9 +17,9 @@ void check_node(std::int32_t node, std::size_t nodes, const char* what) {
 }
 
 /// Scales supports and loads up to 1; a step that fails is halved.
-NewtonResult approach(const TetMesh& mesh, const std::shared_ptr<const EnergyDensity>& law,
-                      const Topology& topology, const std::vector<Vec3>& prescribed,
-                      const Eigen::VectorXd& force, const EquilibriumOptions& options) {
+NewtonResult approach(const TetMesh& mesh, const TissueLaws& laws, const Topology& topology,
+                      const std::vector<Vec3>& prescribed, const Eigen::VectorXd& force,
+                      const EquilibriumOptions& options) {
   constexpr double kSmallestStep = 1.0 / 64;  // then the failure is the state's, not the step's
   Cholesky cholesky(topology.pattern);
   NewtonResult result;
@@ -49,7 +29,7 @@ NewtonResult approach(const TetMesh& mesh, const std::shared_ptr<const EnergyDen
     const double share = std::min(1.0, done + step);
     std::vector<Vec3> moved = prescribed;
     for (Vec3& u : moved) u *= share;
-    const ElasticBody body(topology, mesh.nodes, law, std::move(moved));
+    const ElasticBody body(topology, mesh.nodes, laws, std::move(moved));
     const Eigen::VectorXd start = done > 0 ? Eigen::VectorXd(share / done * result.x) : result.x;
     try {
       result = minimise(DeadLoaded(body, share * force), start, cholesky,
@@ -67,7 +47,7 @@ NewtonResult approach(const TetMesh& mesh, const std::shared_ptr<const EnergyDen
 
 }  // namespace
 
-Equilibrium solve_equilibrium(const TetMesh& mesh, std::shared_ptr<const EnergyDensity> law,
+Equilibrium solve_equilibrium(const TetMesh& mesh, const TissueLaws& laws,
                               std::span<const HeldNode> held, std::span<const NodalLoad> loads,
                               const EquilibriumOptions& options) {
   check_mesh(mesh);
@@ -80,14 +60,9 @@ Equilibrium solve_equilibrium(const TetMesh& mesh, std::shared_ptr<const EnergyD
     prescribed[h.node] = h.displacement;
   }
   const Topology topology = make_topology(mesh, is_held);
-  Eigen::VectorXd force = Eigen::VectorXd::Zero(topology.unknowns());
-  for (const NodalLoad& l : loads) {
-    check_node(l.node, mesh.nodes.size(), "a load");
-    const int f = topology.free_node[l.node];
-    if (f >= 0) force.segment<3>(3 * f) += l.force;
-  }
-  const NewtonResult newton = approach(mesh, law, topology, prescribed, force, options);
-  const ElasticBody body(topology, mesh.nodes, law, prescribed);
+  const Eigen::VectorXd force = load_vector(topology, loads);
+  const NewtonResult newton = approach(mesh, laws, topology, prescribed, force, options);
+  const ElasticBody body(topology, mesh.nodes, laws, prescribed);
   Equilibrium out{{}, body.nodal_forces(newton.x), newton.residual, newton.iterations};
   for (std::size_t n = 0; n < mesh.nodes.size(); ++n) {
     out.displacement.push_back(body.displacement(newton.x, static_cast<int>(n)));

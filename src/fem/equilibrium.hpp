@@ -3,7 +3,8 @@
 #pragma once
 #include <span>
 
-#include "fem/newton.hpp"
+#include "fem/elastic_body.hpp"
+#include "fem/loads.hpp"
 #include "fem/tet_mesh.hpp"
 
 namespace palpate::fem {
@@ -11,10 +12,6 @@ namespace palpate::fem {
 struct HeldNode {
   std::int32_t node = 0;
   Vec3 displacement = Vec3::Zero();  ///< [mm]
-};
-struct NodalLoad {
-  std::int32_t node = 0;
-  Vec3 force = Vec3::Zero();  ///< [N] dead load
 };
 struct EquilibriumOptions {
   double force_tolerance = 1e-6;  ///< [N] largest force left on a free node; > 0
@@ -33,8 +30,7 @@ struct Equilibrium {
 /// @throws InputError  names the first bad node or tet; nothing was computed
 /// @throws SolveError  tolerance not reached; carries residual and iteration count
 /// @note Deterministic, re-entrant, allocates.
-[[nodiscard]] Equilibrium solve_equilibrium(const TetMesh& mesh,
-                                            std::shared_ptr<const EnergyDensity> law,
+[[nodiscard]] Equilibrium solve_equilibrium(const TetMesh& mesh, const TissueLaws& laws,
                                             std::span<const HeldNode> held,
                                             std::span<const NodalLoad> loads,
                                             const EquilibriumOptions& options = {});

@@ -1,8 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Minimiser of a smooth potential: projected Newton with backtracking.
 #pragma once
+#include "fem/body.hpp"
 #include "fem/cholesky.hpp"
-#include "fem/elastic_body.hpp"
 
 namespace palpate::fem {
 

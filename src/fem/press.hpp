@@ -1,9 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// A rigid indenter pressed into tissue with prescribed forces; its travel is an unknown.
+// A rigid indenter pressed into tissue with prescribed forces, its travel
+// an unknown; or to a prescribed travel.
 #pragma once
 #include <span>
+#include <string>
 
 #include "fem/contact.hpp"
+#include "fem/elastic_body.hpp"
 #include "fem/newton.hpp"
 
 namespace palpate::fem {
@@ -23,6 +26,16 @@ struct PressCurve {
   int projections = 0;
   double residual = 0;    ///< [N] of the last load tried
   bool complete = false;  ///< all loads converged
+  std::string failure;    ///< "" when complete, else the reason
+};
+/// The same by displacement control.
+struct PressForces {
+  std::vector<double> force;  ///< [N] one per travel that converged, rigid contact
+  std::vector<double> penalised_force;
+  Eigen::VectorXd last;
+  int iterations = 0;
+  bool complete = false;
+  std::string failure;
 };
 
 /// Travel of a rigid contact from that of a penalised one, to first order in 1/penalty. With
@@ -40,8 +53,16 @@ struct PressCurve {
 /// @param forces    [N] ascending, > 0
 /// @param cholesky  analysed for the body's topology; one per thread
 /// @note A load that does not converge ends the curve (`complete` is false); it does not throw.
-[[nodiscard]] PressCurve press(const ElasticBody& body, const Contact& contact,
+[[nodiscard]] PressCurve press(const Body& body, const Contact& contact,
                                std::span<const double> forces, Cholesky& cholesky,
                                const PressOptions& options = {});
+
+/// Displacement control: the forces that hold the indenter at ascending travels. The penalty is
+/// taken out by F_rigid = F + (dQ/dd) / (2 penalty), the same argument with d prescribed.
+/// @param travels  [mm] ascending, > 0
+/// @note A travel that does not converge ends the list; it does not throw.
+[[nodiscard]] PressForces press_to(const Body& body, const Contact& contact,
+                                   std::span<const double> travels, Cholesky& cholesky,
+                                   const PressOptions& options = {});
 
 }  // namespace palpate::fem

@@ -40,29 +40,11 @@ Vec3 body_force(const EnergyDensity& law, const Vec3& p) {
   return f;
 }
 
-/// Conical product rule, n^3 points, exact to degree 2 n - 3 or better.
-TetQuadrature fine_rule() {
-  const std::array<double, 4> x = {-0.8611363115940526, -0.3399810435848563, 0.3399810435848563,
-                                   0.8611363115940526};
-  const std::array<double, 4> w = {0.3478548451374538, 0.6521451548625461, 0.6521451548625461,
-                                   0.3478548451374538};
-  TetQuadrature q;
-  for (int i = 0; i < 4; ++i)
-    for (int j = 0; j < 4; ++j)
-      for (int k = 0; k < 4; ++k) {
-        const double a = 0.5 * (1 + x[i]), b = 0.5 * (1 + x[j]), c = 0.5 * (1 + x[k]);
-        q.points.push_back(
-            {a, b * (1 - a), c * (1 - a) * (1 - b), 1 - a - b * (1 - a) - c * (1 - a) * (1 - b)});
-        q.weights.push_back(6 * w[i] * w[j] * w[k] / 8 * (1 - a) * (1 - a) * (1 - b));
-      }
-  return q;
-}
-
 /// L2 error of the displacement.
 double error_of(ElementOrder order, int cells) {
   const TetMesh mesh = scenes::in_order(scenes::cube(cells), order);
   const std::shared_ptr<const EnergyDensity> law = neo_hookean(lame_moduli(0.045658, 0.3));
-  const TetQuadrature rule = fine_rule();
+  const TetQuadrature& rule = fine_quadrature();
   const int stride = tet_nodes(order);
   std::vector<HeldNode> held;
   std::vector<NodalLoad> loads(mesh.nodes.size());

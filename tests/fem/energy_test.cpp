@@ -23,10 +23,14 @@ std::vector<Law> all_laws() {
   MooneyRivlin fibre = mooney_rivlin_from(m);
   fibre.fibre_modulus = 0.02;
   fibre.fibre_axis = Vec3(1, 2, -0.5).normalized();
+  MooneyRivlin quadratic = mooney_rivlin_from(m);
+  quadratic.volume = VolumeTerm::quadratic;
   return {{"neo_hookean", neo_hookean(m)},
           {"linear", linear_elastic(m)},
           {"st_venant_kirchhoff", st_venant_kirchhoff(m)},
+          {"st_venant_kirchhoff_wall", st_venant_kirchhoff(m, 500)},
           {"corotational", corotational(m)},
+          {"mooney_rivlin_quadratic", mooney_rivlin(quadratic)},
           {"mooney_rivlin", mooney_rivlin(mooney_rivlin_from(m))},
           {"mooney_rivlin_fibre", mooney_rivlin(fibre)}};
 }
@@ -123,6 +127,19 @@ TEST(Energy, StVenantKirchhoffCollapsesUnderCompression) {
     before = now;
   }
   EXPECT_NEAR(most, (m.lambda + 2 * m.mu) / (3 * std::sqrt(3.0)), 1e-4 * most);
+}
+
+// The wall of VEGA's invertible materials: c E / (1 - 2 nu) (1 - J)^3 / 2592 below J = 1, none
+// above.
+TEST(Energy, CompressionResistanceActsBelowTheRestVolumeOnly) {
+  const double e = 0.045658, nu = 0.43, c = 500;
+  const auto plain = st_venant_kirchhoff(lame_moduli(e, nu)),
+             walled = st_venant_kirchhoff(lame_moduli(e, nu), c);
+  const Mat3 pressed = Vec3(0.4, 1, 1).asDiagonal(), pulled = Vec3(1.4, 1, 1).asDiagonal();
+  EXPECT_NEAR(walled->value(pressed) - plain->value(pressed),
+              c * e / (1 - 2 * nu) * std::pow(0.6, 3) / 2592, 1e-12);
+  EXPECT_EQ(walled->value(pulled), plain->value(pulled));
+  EXPECT_THROW((void)st_venant_kirchhoff(lame_moduli(e, nu), -1), InputError);
 }
 
 TEST(Energy, ProjectionKeepsThePositivePart) {

@@ -1,7 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// W = a (J^-2/3 I1 - 3) + b (J^-4/3 I2 - 3) + k ln^2 J + c/2 (J^-2/3 If - 1)^2.
+// W = a (J^-2/3 I1 - 3) + b (J^-4/3 I2 - 3) + U(J) + c/2 (J^-2/3 If - 1)^2.
 // Each term is g(J) h(I): P and the tangent follow from the chain rule on (I1, I2, J, If).
 // Small strains: mu = 2 (a + b), bulk modulus 2 k (the source prints k; method notes, section 5).
+#include <array>
 #include <cmath>
 
 #include "fem/energies/invariants.hpp"
@@ -37,16 +38,22 @@ class MooneyRivlinLaw final : public EnergyDensity {
   Invariant evaluate(const Mat3& F) const {
     const Invariant j = determinant(F);
     const Invariant i1 = scaled(trace_c(F), j, -2.0 / 3), i2 = scaled(second_c(F), j, -4.0 / 3);
-    const double log_j = std::log(j.value);
-    const double u1 = 2 * p_.k * log_j / j.value;
-    const double u2 = 2 * p_.k * (1 - log_j) / (j.value * j.value);
+    const auto [u, u1, u2] = volume_term(j.value);
     Invariant out;
-    out.value = p_.a * (i1.value - 3) + p_.b * (i2.value - 3) + p_.k * log_j * log_j;
+    out.value = p_.a * (i1.value - 3) + p_.b * (i2.value - 3) + u;
     out.gradient = p_.a * i1.gradient + p_.b * i2.gradient + u1 * j.gradient;
     out.hessian = p_.a * i1.hessian + p_.b * i2.hessian + u1 * j.hessian +
                   u2 * j.gradient * j.gradient.transpose();
     if (p_.fibre_modulus > 0) add_fibre(scaled(along(F, p_.fibre_axis), j, -2.0 / 3), out);
     return out;
+  }
+
+  /// U, U' and U'' at J.
+  std::array<double, 3> volume_term(double j) const {
+    if (p_.volume == VolumeTerm::quadratic)
+      return {p_.k * (j - 1) * (j - 1), 2 * p_.k * (j - 1), 2 * p_.k};
+    const double log_j = std::log(j);
+    return {p_.k * log_j * log_j, 2 * p_.k * log_j / j, 2 * p_.k * (1 - log_j) / (j * j)};
   }
 
   void add_fibre(const Invariant& stretch_squared, Invariant& out) const {
