@@ -3,7 +3,7 @@ PRESET ?= release
 BUILD := build/$(PRESET)
 OUT ?= out
 
-.PHONY: build demo test bench bench-anatomy bench-touch bench-study lint format assets fuzz layout
+.PHONY: build demo test bench bench-anatomy bench-touch bench-study verify lint format assets fuzz layout
 
 build: $(BUILD)/build.ninja
 	cmake --build $(BUILD)
@@ -54,6 +54,12 @@ bench-study: build
 
 $(OUT)/head.glb:
 	$(MAKE) demo
+
+# Exact solutions, GetFEM, CalculiX, mesh studies: docs/method/verification.md.
+verify: build
+	mkdir -p $(OUT)
+	$(BUILD)/palpate verify -o $(OUT)/verification.html
+	@echo "The verification:    $(CURDIR)/$(OUT)/verification.html (any browser)"
 
 lint: build
 	git ls-files '*.cpp' '*.hpp' | xargs clang-format --dry-run --Werror

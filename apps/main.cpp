@@ -59,6 +59,7 @@ int run(int argc, char** argv) {
   add_head_commands(app);
   add_touch_commands(app);
   add_study_analyse_command(app);
+  add_verify_command(app);
   add_completion_command(app);
   try {
     std::vector<std::string> words = expand_config(app, {argv + 1, argv + argc});
