@@ -77,7 +77,7 @@ double press_whole_head(const Ground& ground, const TissueMesh& tissue, std::int
   const fem::Topology topology = fem::make_topology(mesh, held, touchable);
   fem::Cholesky cholesky(topology.pattern);
   const SiteCurve curve =
-      press_body(topology, mesh.nodes, {fem::neo_hookean(fem::lame_moduli(0.045658, 0.43))},
+      press_body(topology, mesh.nodes, fem::neo_hookean(fem::lame_moduli(0.045658, 0.43)),
                  {ground.options.tool_radius, 5}, ground.forces, {}, cholesky);
   const double seconds = cpu_seconds() - before;
   fmt::print("  site {:6d}: {} unknowns, {} Newton steps, {:.1f} CPU s{}\n", site,

@@ -36,7 +36,7 @@ std::vector<double> press_slab(const PatchRule& rule, double thickness, double f
                                double penalty) {
   const PatchTemplate t = make_template(rule);
   fem::Cholesky cholesky(t.topology.pattern);
-  const SiteCurve c = press_site(t, slab(t, thickness, first_layer), {fem::neo_hookean(kFlesh)},
+  const SiteCurve c = press_site(t, slab(t, thickness, first_layer), fem::neo_hookean(kFlesh),
                                  {kTool, penalty}, kSlabForces, cholesky);
   return c.travel.empty() ? std::vector<double>(kSlabForces.size(), NAN) : c.travel;
 }

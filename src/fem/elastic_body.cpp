@@ -14,7 +14,7 @@ void check_laws(const TissueLaws& laws, int tets) {
   if (!laws.of_tet.empty() && laws.of_tet.size() != static_cast<std::size_t>(tets))
     throw InputError(fmt::format("{} tetrahedra, laws for {}", tets, laws.of_tet.size()));
   for (std::size_t t = 0; t < laws.of_tet.size(); ++t)
-    if (laws.of_tet[t] >= laws.laws.size())
+    if (laws.of_tet[t] < 0 || laws.of_tet[t] >= std::ssize(laws.laws))
       throw InputError(fmt::format("tetrahedron {} has law {}, there are {}", t, laws.of_tet[t],
                                    laws.laws.size()));
 }

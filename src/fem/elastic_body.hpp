@@ -11,7 +11,7 @@ namespace palpate::fem {
 /// The law of each tetrahedron: one for all, or one per kind of tissue.
 struct TissueLaws {
   std::vector<std::shared_ptr<const EnergyDensity>> laws;
-  std::vector<std::uint8_t> of_tet;  ///< index into `laws`, one per tet; empty: laws[0] everywhere
+  std::vector<std::int32_t> of_tet;  ///< index into `laws`, one per tet; empty: laws[0] everywhere
   /// A share of the energy that is integrated with one point, at the centre of each tet; null:
   /// none. With the volume's share here a quadratic tet does not lock when Poisson's ratio nears
   /// 1/2: four points hold the volume at four places, more than its nodes can give.
@@ -23,7 +23,7 @@ struct TissueLaws {
   requires std::convertible_to<Law, std::shared_ptr<const EnergyDensity>> TissueLaws(Law one)
       : laws{std::shared_ptr<const EnergyDensity>(std::move(one))} {}
   TissueLaws(std::vector<std::shared_ptr<const EnergyDensity>> kinds,
-             std::vector<std::uint8_t> kind_of_tet)
+             std::vector<std::int32_t> kind_of_tet)
       : laws(std::move(kinds)), of_tet(std::move(kind_of_tet)) {}
   [[nodiscard]] const EnergyDensity& at(std::size_t tet) const {
     return *laws[of_tet.empty() ? 0 : of_tet[tet]];

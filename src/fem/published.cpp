@@ -26,7 +26,7 @@ std::vector<PublishedSample> press_published(const Topology& topology,
   };
   const TissueLaws laws({law(recipe.flesh_youngs_modulus, recipe.flesh_poissons_ratio),
                          law(recipe.bone_youngs_modulus, recipe.bone_poissons_ratio)},
-                        std::vector<std::uint8_t>(is_bone.begin(), is_bone.end()));
+                        std::vector<std::int32_t>(is_bone.begin(), is_bone.end()));
   const ElasticBody body(topology, nodes, laws);
   std::vector<double> density(topology.tets.size() / 4, recipe.flesh_density);
   for (std::size_t t = 0; t < is_bone.size(); ++t)

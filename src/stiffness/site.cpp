@@ -49,7 +49,7 @@ std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t) {
 }
 
 SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nodes,
-                     std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
+                     fem::TissueLaws laws,
                      const Tool& press_tool, std::span<const double> forces,
                      const std::vector<std::vector<std::int32_t>>& rings, fem::Cholesky& cholesky) {
   const Vec3 axis = -Vec3::UnitZ();
@@ -79,7 +79,7 @@ SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nod
 }
 
 SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                     std::vector<std::shared_ptr<const fem::EnergyDensity>> laws, const Tool& tool,
+                     fem::TissueLaws laws, const Tool& tool,
                      std::span<const double> forces, fem::Cholesky& cholesky) {
   return press_body(t.topology, nodes, std::move(laws), tool, forces, skin_rings(t), cholesky);
 }

@@ -26,18 +26,17 @@ struct Tool {
 [[nodiscard]] bool deepens(std::span<const double> travel);
 
 /// Sphere from first geometric contact down the patch's axis.
-/// @param laws      one for all tetrahedra, or one each
 /// @param forces    [N] ascending
 /// @param cholesky  analysed for the template's topology; one per thread
 [[nodiscard]] SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                                   std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
+                                   fem::TissueLaws laws,
                                    const Tool& tool, std::span<const double> forces,
                                    fem::Cholesky& cholesky);
 
 /// The same on any body: the site at the origin, +z outward.
 /// @param rings  groups of nodes whose way down is noted
 [[nodiscard]] SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nodes,
-                                   std::vector<std::shared_ptr<const fem::EnergyDensity>> laws,
+                                   fem::TissueLaws laws,
                                    const Tool& tool, std::span<const double> forces,
                                    const std::vector<std::vector<std::int32_t>>& rings,
                                    fem::Cholesky& cholesky);

@@ -153,21 +153,22 @@ std::vector<fem::LameModuli> Flesh::moduli(const PatchTemplate& t, const PatchGe
   return out;
 }
 
-std::vector<std::shared_ptr<const fem::EnergyDensity>> Flesh::laws(const PatchTemplate& t,
-                                                                   const PatchGeometry& g) const {
-  std::vector<std::shared_ptr<const fem::EnergyDensity>> out;
+fem::TissueLaws Flesh::laws(const PatchTemplate& t, const PatchGeometry& g) const {
+  std::vector<std::shared_ptr<const fem::EnergyDensity>> laws;
+  std::vector<std::int32_t> of_tet;
+  const int tets = static_cast<int>(t.topology.tets.size()) / fem::tet_nodes(t.topology.order);
   if (model_.kind == TissueKind::layered) {
-    std::vector<std::shared_ptr<const fem::EnergyDensity>> of_layer;
     for (int e = 0; e < t.rule.layers; ++e) {
       const TissueLayer& l = model_.layers[tissue_layer(e, t.rule.layers)];
-      of_layer.push_back(law_of(l.law, fem::lame_moduli(l.youngs_modulus, l.poissons_ratio)));
+      laws.push_back(law_of(l.law, fem::lame_moduli(l.youngs_modulus, l.poissons_ratio)));
     }
-    const int tets = static_cast<int>(t.topology.tets.size()) / fem::tet_nodes(t.topology.order);
-    for (int tet = 0; tet < tets; ++tet) out.push_back(of_layer[t.element_layer(tet)]);
-    return out;
+    for (int tet = 0; tet < tets; ++tet) of_tet.push_back(t.element_layer(tet));
+    return {std::move(laws), std::move(of_tet)};
   }
-  for (const fem::LameModuli& m : moduli(t, g)) out.push_back(law_of(model_.law, m));
-  return out;
+  for (const fem::LameModuli& m : moduli(t, g)) laws.push_back(law_of(model_.law, m));
+  if (laws.size() > 1)
+    for (int tet = 0; tet < tets; ++tet) of_tet.push_back(tet);
+  return {std::move(laws), std::move(of_tet)};
 }
 
 }  // namespace palpate::stiffness

@@ -9,7 +9,7 @@
 #include <vector>
 
 #include "core/head_surface.hpp"
-#include "fem/energy.hpp"
+#include "fem/elastic_body.hpp"
 #include "stiffness/patch.hpp"
 
 namespace palpate::stiffness {
@@ -58,7 +58,7 @@ class Flesh {
   [[nodiscard]] std::vector<fem::LameModuli> moduli(const PatchTemplate& t,
                                                     const PatchGeometry& g) const;
   /// The laws of a patch, likewise.
-  [[nodiscard]] std::vector<std::shared_ptr<const fem::EnergyDensity>> laws(
+  [[nodiscard]] fem::TissueLaws laws(
       const PatchTemplate& t, const PatchGeometry& g) const;
   /// One law for the whole depth at a spot of the skin, for pieces without layers of their own: a
   /// layered tissue counts as its layers in series.

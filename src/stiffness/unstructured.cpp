@@ -194,7 +194,7 @@ SiteCurve press_unstructured(const LocalBody& body, std::shared_ptr<const fem::E
                              std::span<const double> ring_radii) {
   const fem::Topology topology = fem::make_topology(body.mesh, body.held, body.touchable);
   fem::Cholesky cholesky(topology.pattern);
-  SiteCurve curve = press_body(topology, body.mesh.nodes, {std::move(law)}, tool, forces,
+  SiteCurve curve = press_body(topology, body.mesh.nodes, std::move(law), tool, forces,
                                rings_of(body, ring_radii), cholesky);
   curve.method = SolveMethod::unstructured;
   return curve;

@@ -85,7 +85,7 @@ TEST(Unstructured, AgreesWithThePatchOnASlab) {
   g.thickness.assign(t.columns.size(), 8.0);
   fem::Cholesky cholesky(t.topology.pattern);
   const SiteCurve patch =
-      press_site(t, patch_nodes(t, g, t.rule.first_layer), {law}, {}, forces, cholesky);
+      press_site(t, patch_nodes(t, g, t.rule.first_layer), law, {}, forces, cholesky);
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(piece.travel[i] / patch.travel[i], 1, 0.04);
 }
 
