@@ -20,6 +20,12 @@ namespace fs = std::filesystem;
 constexpr const char* kScript =
 #include "verify/getfem_script.inc"
     ;
+// Debian's module belongs to Debian's own Python, whatever else is first in the path.
+const char* python() {
+  constexpr const char* kDebian = "/usr/bin/python3";
+  return fs::exists(kDebian) ? kDebian : "python3";
+}
+
 constexpr const char* kInstall = "not run: install python3-getfem";
 constexpr double kTimeLimit = 600;  // [s] of one GetFEM run; it takes some ten
 
@@ -58,7 +64,7 @@ std::vector<Field> read_fields(const fs::path& file, std::size_t nodes) {
 Section compare_getfem(const VerifyOptions& options, const Progress& progress) {
   Section s{
       "getfem", "The same slab in GetFEM",
-      "12 mm of flesh bonded to a floor, 1, 2.5 and 5 N as a smooth pressure of radius 8 mm. "
+      "12 mm of flesh bonded to a floor, 1, 2.5 and 4 N as a smooth pressure of radius 8 mm. "
       "GetFEM gets the tetrahedra and the nodal forces; shape functions, assembly, the "
       "neo-Hookean energy (written in its weak-form language) and Newton are its own. Largest "
       "difference of any node over the largest displacement."};
@@ -70,14 +76,14 @@ Section compare_getfem(const VerifyOptions& options, const Progress& progress) {
                                  ? "GetFEM, 4-node elements, whole field"
                                  : "GetFEM, 10-node elements, whole field";
     if (options.quick && order == ElementOrder::quadratic) continue;
-    const SlabCase scene = slab_case(order, {1, 2.5, 5});
+    const SlabCase scene = slab_case(order, {1, 2.5, 4});
     const tetmesh::TemporaryFolder folder;
     const fs::path script = folder.path() / "slab.py", in = folder.path() / "case",
                    out = folder.path() / "answer";
     write_file(script, kScript);
     write_file(in, written(scene, m));
     const tetmesh::ProcessResult run = tetmesh::run_process(
-        "python3", {script, in, out}, folder.path() / "log", kTimeLimit, 20, progress, "GetFEM");
+        python(), {script, in, out}, folder.path() / "log", kTimeLimit, 20, progress, "GetFEM");
     if (!run.found || run.last_words.find("No module named") != std::string::npos) {
       s.figures.push_back(not_run(what, 1e-5, kInstall));
       continue;
