@@ -26,13 +26,13 @@ namespace {
 using namespace fem;
 
 constexpr double kThickness = 8;  // [mm]; the errors depend on a/h alone
-// Above this Poisson's ratio the four points of a quadratic tet, which hold the volume at four places,
-// are more than its nodes can give, and it locks. Nine tenths of the volume's energy are then
-// integrated at the centres; all of it is too soft by 1 % already. Under a contact wider than the
-// layer is thick the pressure is confined, single points let it through (4 % too soft), and the full
-// rule is within 1 %.
-constexpr double kNearlyIncompressible = 0.47;
-constexpr double kShareAtCentre = 0.9;  // [-]
+// Near incompressibility the four points of a quadratic tet, which hold the volume at four places,
+// are more than its nodes can give, and it locks: part of the volume's energy is then integrated at
+// the centres. Under a punch all of it is. Under a sphere all of it is too soft by 1 %, so nine
+// tenths are; and where the contact is wider than the layer is thick, the pressure is confined,
+// single points let it through (4 % too soft) and the full rule is within 1 %.
+constexpr double kPunchLocks = 0.44, kSphereLocks = 0.47;  // Poisson's ratios
+constexpr double kShareAtCentre = 0.9;                     // [-]
 
 int sectors(bool refined) {
   return refined ? 20 : 12;
@@ -81,7 +81,11 @@ SlabRule punch_rule(double a, bool refined) {
 }
 
 TissueLaws layer_laws(const LameModuli& m, const ExactRow& row) {
-  if (row.nu < kNearlyIncompressible || row.a_over_h > 1) return linear_elastic(m);
+  if (!row.sphere) {
+    if (row.nu > kPunchLocks) return linear_elastic_centred(m);
+    return linear_elastic(m);
+  }
+  if (row.nu < kSphereLocks || row.a_over_h > 1) return linear_elastic(m);
   TissueLaws laws(linear_elastic({(1 - kShareAtCentre) * m.lambda, m.mu}));
   laws.at_centre = linear_elastic({kShareAtCentre * m.lambda, 0});
   return laws;

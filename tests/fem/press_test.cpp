@@ -28,8 +28,8 @@ double slab_error(const RefinedSlab& reference, double penalty) {
   const PatchTemplate t = make_template(rule_for_depth(reference.thickness, 8));
   Cholesky cholesky(t.topology.pattern);
   const SiteCurve c =
-      press_site(t, slab(t, reference.thickness, 2.5), neo_hookean(lame_moduli(0.045658, 0.43)),
-                 {8, penalty}, kSlabForces, cholesky);
+      press_site(t, slab(t, reference.thickness, t.rule.first_layer),
+                 neo_hookean(lame_moduli(0.045658, 0.43)), {8, penalty}, kSlabForces, cholesky);
   double worst = 0;
   for (std::size_t i = 0; i < kSlabForces.size(); ++i)
     worst = std::max(worst, std::abs(c.travel.at(i) / reference.travel[i] - 1));
@@ -49,7 +49,8 @@ TEST(Press, TheContactsPenaltyIsCorrectedFor) {
   Cholesky cholesky(t.topology.pattern);
   std::vector<std::vector<double>> travel;
   for (const double factor : {1.0, 20.0})
-    travel.push_back(press_site(t, slab(t, 4, 2.5), neo_hookean(lame_moduli(0.045658, 0.43)),
+    travel.push_back(press_site(t, slab(t, 4, t.rule.first_layer),
+                                neo_hookean(lame_moduli(0.045658, 0.43)),
                                 {8, factor * default_penalty(0.045658, 8)}, kSlabForces, cholesky)
                          .travel);
   for (std::size_t i = 0; i < kSlabForces.size(); ++i)
