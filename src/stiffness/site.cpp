@@ -49,8 +49,7 @@ std::vector<std::vector<std::int32_t>> skin_rings(const PatchTemplate& t) {
 }
 
 SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nodes,
-                     fem::TissueLaws laws,
-                     const Tool& press_tool, std::span<const double> forces,
+                     fem::TissueLaws laws, const Tool& press_tool, std::span<const double> forces,
                      const std::vector<std::vector<std::int32_t>>& rings, fem::Cholesky& cholesky) {
   const Vec3 axis = -Vec3::UnitZ();
   fem::Indenter tool;
@@ -78,9 +77,8 @@ SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nod
   return out;
 }
 
-SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                     fem::TissueLaws laws, const Tool& tool,
-                     std::span<const double> forces, fem::Cholesky& cholesky) {
+SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes, fem::TissueLaws laws,
+                     const Tool& tool, std::span<const double> forces, fem::Cholesky& cholesky) {
   return press_body(t.topology, nodes, std::move(laws), tool, forces, skin_rings(t), cholesky);
 }
 

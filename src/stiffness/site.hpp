@@ -29,15 +29,14 @@ struct Tool {
 /// @param forces    [N] ascending
 /// @param cholesky  analysed for the template's topology; one per thread
 [[nodiscard]] SiteCurve press_site(const PatchTemplate& t, const std::vector<Vec3>& nodes,
-                                   fem::TissueLaws laws,
-                                   const Tool& tool, std::span<const double> forces,
-                                   fem::Cholesky& cholesky);
+                                   fem::TissueLaws laws, const Tool& tool,
+                                   std::span<const double> forces, fem::Cholesky& cholesky);
 
 /// The same on any body: the site at the origin, +z outward.
 /// @param rings  groups of nodes whose way down is noted
 [[nodiscard]] SiteCurve press_body(const fem::Topology& topology, const std::vector<Vec3>& nodes,
-                                   fem::TissueLaws laws,
-                                   const Tool& tool, std::span<const double> forces,
+                                   fem::TissueLaws laws, const Tool& tool,
+                                   std::span<const double> forces,
                                    const std::vector<std::vector<std::int32_t>>& rings,
                                    fem::Cholesky& cholesky);
 

@@ -58,8 +58,7 @@ class Flesh {
   [[nodiscard]] std::vector<fem::LameModuli> moduli(const PatchTemplate& t,
                                                     const PatchGeometry& g) const;
   /// The laws of a patch, likewise.
-  [[nodiscard]] fem::TissueLaws laws(
-      const PatchTemplate& t, const PatchGeometry& g) const;
+  [[nodiscard]] fem::TissueLaws laws(const PatchTemplate& t, const PatchGeometry& g) const;
   /// One law for the whole depth at a spot of the skin, for pieces without layers of their own: a
   /// layered tissue counts as its layers in series.
   [[nodiscard]] std::shared_ptr<const fem::EnergyDensity> law_at(const SkinSpot& spot) const;
