@@ -62,6 +62,7 @@ void each_member(State& s, Visit visit) {
   vector(s.tool);
   vector(s.velocity);
   vector(s.force);
+  vector(s.asked);
   vector(s.settled.normal);
   visit(s.settled.force);
   visit(s.settled.depth);

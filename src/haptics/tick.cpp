@@ -225,6 +225,7 @@ void count_energy(const TickSetup& setup, const Vec3& moved, double stored, Tick
 void fresh_start(TickState& state) {
   state.proxy = {};
   state.force.setZero();
+  state.asked.setZero();
   state.shear.setZero();
   state.velocity.setZero();
   state.slip = 0;
@@ -306,9 +307,11 @@ TickOutput tick(const TickSetup& setup, const TickInput& input, TickState& state
   }
   count_energy(setup, reported, stored, state);
   out.clamped = clamp_length(force, setup.limits.peak_force);
-  Vec3 change = force - state.force;
+  // From what was asked for, not from what the controller left of it: it must not turn the push.
+  Vec3 change = force - state.asked;
   out.slewed = clamp_length(change, setup.options.slew * dt);
-  if (out.slewed) force = state.force + change;
+  if (out.slewed) force = state.asked + change;
+  state.asked = force;
   if (contact.count > 0) keep_passive(setup, reported, dt, force, state, out);
   if (contact.count == 0 && state.in_contact) end_contact(state);
 

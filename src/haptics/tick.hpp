@@ -72,6 +72,7 @@ struct TickState {
   Vec3 tool = Vec3::Zero();      ///< [mm] last tick, as felt: steps of the encoders smoothed
   Vec3 velocity = Vec3::Zero();  ///< [mm/s] filtered
   Vec3 force = Vec3::Zero();     ///< [N] put out last
+  Vec3 asked = Vec3::Zero();     ///< [N] the same before the passivity controller
   Settled settled;               ///< meaningful while in_contact
   Vec3 shear = Vec3::Zero();     ///< [mm] tool minus friction anchor, tangential
   double slip = 0;               ///< [-] 0 sticking, 1 slipping in full
