@@ -68,6 +68,9 @@ std::string summary_text(const TouchableHead& head, const Command& command,
   std::string text =
       fmt::format("unit {} ({})\n", head.provenance["input"]["unit"].get<std::string>(),
                   command.options.unit.empty() ? "guessed from the size" : "given");
+  if (head.provenance.contains("image"))
+    for (const auto& line : head.provenance["image"])
+      text += fmt::format("image: {}\n", line.get<std::string>());
   for (const auto& line : head.provenance["repair"]["lines"])
     text += fmt::format("repair: {}\n", line.get<std::string>());
   for (const auto& line : head.provenance["warnings"])
@@ -85,7 +88,42 @@ std::string summary_text(const TouchableHead& head, const Command& command,
   return text;
 }
 
+bool is_image(const PipelineOptions& options) {
+  return !options.ct.empty() || !options.labels.empty();
+}
+
+void check_input(const Command& command) {
+  const PipelineOptions& o = command.options;
+  const int given = !command.input.empty() + !o.ct.empty() + !o.labels.empty();
+  if (given != 1)
+    throw InputError("build: give one of SCAN, --ct and --labels (try palpate build --help)");
+  if (is_image(o) && !o.own_skull.empty())
+    throw InputError("build: --skull goes with a SCAN; an image brings its own skull");
+}
+
+void add_image_options(CLI::App* sub, PipelineOptions& o) {
+  sub->add_option(
+      "--ct", o.ct,
+      "CT instead of SCAN: .nii .nii.gz .nrrd .nhdr or a DICOM folder; its skull is used as it is");
+  sub->add_option("--labels", o.labels,
+                  "tissue labels instead of SCAN, as SimNIBS writes them: .nii .nii.gz .nrrd");
+  sub->add_option("--skin-threshold", o.image.skin_threshold, "[HU] --ct: above is tissue")
+      ->capture_default_str();
+  sub->add_option("--bone-threshold", o.image.bone_threshold, "[HU] --ct: above is bone")
+      ->capture_default_str();
+  sub->add_option("--bone-labels", o.image.bone_labels, "--labels: which are bone")
+      ->delimiter(',')
+      ->capture_default_str();
+  sub->add_option("--image-smoothing", o.image.smoothing, "[mm] Gaussian before the threshold")
+      ->check(CLI::Range(0.0, 10.0))
+      ->capture_default_str();
+  sub->add_option("--image-voxel", o.image.voxel, "[mm] finer images are thinned out to this")
+      ->check(CLI::Range(0.2, 10.0))
+      ->capture_default_str();
+}
+
 void run_build(Command& command, BuildOutputs outputs) {
+  check_input(command);
   if (outputs.report.empty()) outputs.report = default_report(command.output);
   check_writable(command.output);
   if (!outputs.no_report) check_writable(outputs.report);
@@ -94,7 +132,9 @@ void run_build(Command& command, BuildOutputs outputs) {
   StageClock clock(*progress);
   const PipelineOptions& options = command.options;
 
-  const PreparedScan scan = prepare_scan(command.input, options, *progress, clock);
+  const PreparedScan scan = is_image(options)
+                                ? prepare_image(options, *progress, clock)
+                                : prepare_scan(command.input, options, *progress, clock);
   const LocatedHead located = locate_head(scan, options, *progress, clock);
   const SkullFit skull = make_skull(located, options, *progress, clock);
   std::vector<std::string> tissue_warnings;
@@ -129,9 +169,12 @@ void add_build_command(CLI::App& app) {
       app, "build", "scan -> touchable head (.glb) and report",
       "Examples:\n  palpate build scan.obj -o head.glb\n"
       "  palpate build scan.ply -o head.glb --unit m --landmark nose_tip=0.1,12.5,93\n"
-      "  palpate build scan.stl -o head.glb --config lab.toml",
+      "  palpate build scan.stl -o head.glb --config lab.toml\n"
+      "  palpate build --ct head.nii.gz -o head.glb",
       command, [outputs](Command& c) { run_build(c, *outputs); });
   add_scan_options(sub, command);
+  sub->get_option("SCAN")->required(false);
+  add_image_options(sub, command->options);
   add_output_option(sub, command, "the touchable head, .glb");
   sub->add_option("--report", outputs->report,
                   "report page; default: beside the head, .report.html");

@@ -103,7 +103,7 @@ void add_landmark_options(CLI::App* sub, const CommandPtr& c) {
                   "name=x,y,z in the scan's own coordinates; overrides what was found; may repeat")
       ->multi_option_policy(CLI::MultiOptionPolicy::TakeAll);
   sub->add_option("--landmark-file", c->landmark_file,
-                  "JSON as `palpate landmarks --json` prints it");
+                  "JSON as `palpate landmarks --json` prints it, or the text of --edit");
 }
 
 void add_fit_options(CLI::App* sub, const CommandPtr& c) {

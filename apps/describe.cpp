@@ -5,6 +5,7 @@
 
 #include <cmath>
 
+#include "apps/landmark_text.hpp"
 #include "apps/tissue_file.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
@@ -34,6 +35,13 @@ json describe(const PipelineOptions& o) {
       {"template", o.skull_template.filename().string()},
       {"depths", o.depth_table.filename().string()},
       {"own_skull", o.own_skull.filename().string()},
+      {"ct", o.ct.filename().string()},
+      {"labels", o.labels.filename().string()},
+      {"skin_threshold_hu", o.image.skin_threshold},
+      {"bone_threshold_hu", o.image.bone_threshold},
+      {"image_smoothing_mm", o.image.smoothing},
+      {"image_voxel_mm", o.image.voxel},
+      {"bone_labels", o.image.bone_labels},
       {"tissue_max_volume_mm3", o.tissue.max_volume},
       {"tool_radius_mm", o.sweep.tool_radius},
       {"mode", o.sweep.mode == stiffness::SweepMode::exact ? "exact" : "fast"},
@@ -120,8 +128,11 @@ json describe(const TouchableHead& head) {
 
 std::map<std::string, Vec3> read_landmark_file(const std::filesystem::path& path) {
   std::map<std::string, Vec3> given;
+  const std::string text = read_file(path);
+  const std::size_t first = text.find_first_not_of(" \t\r\n");
+  if (first != text.npos && text[first] != '{') return parse_landmark_text(text, path.string());
   try {
-    const json file = json::parse(read_file(path));
+    const json file = json::parse(text);
     for (const auto& [name, mark] : file.at("landmarks").items()) {
       const json& p = mark.at("position");
       given[name] = Vec3(p.at(0).get<double>(), p.at(1).get<double>(), p.at(2).get<double>());

@@ -82,6 +82,9 @@ LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options
   head.region =
       landmarks::skin_regions(head.skin.points, vertex_normals(head.skin), head.landmarks);
 
+  if (scan.known_skull)
+    located.known_skull =
+        transformed(*scan.known_skull, frame.rotation, -(frame.rotation * frame.origin));
   located.points.reserve(scan.scan_mm.points.size());
   for (const Vec3& p : scan.scan_mm.points) located.points.push_back(frame.to_head(p));
   located.normals = skin_normals(located.points, scan.scan_mm.triangles, head);
@@ -111,10 +114,20 @@ static SkullFit own_skull(const LocatedHead& located, const PipelineOptions& opt
   return fit;
 }
 
+/// Out of the image that the skin came from.
+static SkullFit known_skull(const SurfaceMesh& mesh) {
+  SkullFit fit;
+  fit.mesh = mesh;
+  fit.region.assign(mesh.points.size(), SkullRegion::none);
+  fit.statistics["from_image"] = 1;
+  return fit;
+}
+
 SkullFit make_skull(const LocatedHead& located, const PipelineOptions& options,
                     const Progress& progress, StageClock& clock) {
   return clock.run("skull", [&] {
     if (!options.own_skull.empty()) return own_skull(located, options);
+    if (located.known_skull) return known_skull(*located.known_skull);
     return skull::fit_skull(located.head, load_template(options), load_depths(options), options.fit,
                             progress);
   });
@@ -172,6 +185,7 @@ TouchableHead assemble(const PreparedScan& scan, const LocatedHead& located, con
       {"warnings", warnings},
   };
   if (tissue) head.provenance["tissue_mesh"] = tissue->quality;
+  if (!scan.image_notes.empty()) head.provenance["image"] = scan.image_notes;
   return head;
 }
 

@@ -13,6 +13,7 @@
 #include "core/progress.hpp"
 #include "core/tissue_mesh.hpp"
 #include "core/touchable_head.hpp"
+#include "image/head_image.hpp"
 #include "io/scan.hpp"
 #include "landmarks/detect.hpp"
 #include "skull/fit.hpp"
@@ -32,6 +33,9 @@ struct PipelineOptions {
   stiffness::SweepOptions sweep;
   std::filesystem::path skull_template;  ///< "" = bundled
   std::filesystem::path depth_table;     ///< "" = bundled
+  std::filesystem::path ct;              ///< a CT volume instead of a scan; "" = none
+  std::filesystem::path labels;          ///< a label volume instead of a scan; "" = none
+  image::ImageOptions image;             ///< how surfaces are taken from these
   std::filesystem::path own_skull;       ///< a lab's own skull instead of a fit: scan frame, [mm]
 };
 
@@ -63,20 +67,27 @@ struct PreparedScan {
   std::string file_name;
   LengthUnit unit = LengthUnit::mm;
   bool unit_certain = true;
-  SurfaceMesh scan_mm;              ///< the user's vertices, [mm]
-  surface::WorkingSurface working;  ///< scan frame, [mm]
+  SurfaceMesh scan_mm;                     ///< the user's vertices, [mm]
+  surface::WorkingSurface working;         ///< scan frame, [mm]
+  std::optional<SurfaceMesh> known_skull;  ///< scan frame, [mm]: from an image
+  std::vector<std::string> image_notes;    ///< how the surfaces were taken from the image
 };
 [[nodiscard]] PreparedScan prepare_scan(const std::filesystem::path& path,
                                         const PipelineOptions& options, const Progress& progress,
                                         StageClock& clock);
 
+/// The same from `options.ct` or `options.labels`, whose skull comes along.
+[[nodiscard]] PreparedScan prepare_image(const PipelineOptions& options, const Progress& progress,
+                                         StageClock& clock);
+
 /// A head with its face found.
 struct LocatedHead {
-  landmarks::Detection detection;  ///< scan frame, [mm]
-  HeadSurface head;                ///< head frame, [mm]
-  std::vector<Vec3> points;        ///< the user's vertices, head frame [mm]
-  std::vector<Vec3> normals;       ///< outward, [-]
-  std::vector<SkinRegion> region;  ///< of the user's vertices
+  landmarks::Detection detection;          ///< scan frame, [mm]
+  HeadSurface head;                        ///< head frame, [mm]
+  std::vector<Vec3> points;                ///< the user's vertices, head frame [mm]
+  std::vector<Vec3> normals;               ///< outward, [-]
+  std::vector<SkinRegion> region;          ///< of the user's vertices
+  std::optional<SurfaceMesh> known_skull;  ///< head frame, [mm]
 };
 [[nodiscard]] LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
                                       const Progress& progress, StageClock& clock);

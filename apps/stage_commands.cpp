@@ -4,6 +4,7 @@
 
 #include "apps/command_line.hpp"
 #include "apps/describe.hpp"
+#include "apps/landmark_text.hpp"
 #include "apps/terminal_progress.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
@@ -40,8 +41,14 @@ void run_repair(Command& c) {
                text);
 }
 
-void run_landmarks(Command& c) {
+void run_landmarks(Command& c, const std::filesystem::path& edit) {
   if (!c.output.empty()) check_writable(c.output);
+  if (!edit.empty()) {
+    check_writable(edit);
+    if (std::filesystem::exists(edit))
+      for (const auto& [key, p] : parse_landmark_text(read_file(edit), edit.string()))
+        c.options.landmarks.given.try_emplace(key, p);  // --landmark wins
+  }
   const Start start(c);
   const double unit_mm = millimetres(start.scan.unit);
   const json result = {{"unit_mm", unit_mm},
@@ -49,6 +56,7 @@ void run_landmarks(Command& c) {
                        {"frame", describe(start.located.detection.frame)},
                        {"warnings", start.located.detection.warnings}};
   if (!c.output.empty()) write_file(c.output, result.dump(2) + "\n");
+  if (!edit.empty()) write_file(edit, landmark_text(start.located.detection.landmarks, unit_mm));
   std::string text =
       fmt::format("unit {}; positions in the scan's own coordinates\n", name(start.scan.unit));
   for (const auto& [key, mark] : start.located.detection.landmarks)
@@ -115,9 +123,14 @@ void add_stage_commands(CLI::App& app) {
   add_output_option(sub, c, "working surface in mm: .ply .obj .stl .off");
 
   c = std::make_shared<Command>();
+  const auto edit = std::make_shared<std::filesystem::path>();
   sub = add_subcommand(app, "landmarks", "scan -> the face's named points",
-                       "Example:  palpate landmarks scan.obj --json > landmarks.json", c,
-                       run_landmarks);
+                       "Examples:\n  palpate landmarks scan.obj --json > landmarks.json\n"
+                       "  palpate landmarks scan.obj --edit points.txt   # move points, run again",
+                       c, [edit](Command& command) { run_landmarks(command, *edit); });
+  sub->add_option("--edit", *edit,
+                  "text file with one point a line: written; read first where it is there, and its "
+                  "lines that say \"fixed\" hold");
   add_scan_options(sub, c);
   add_landmark_options(sub, c);
   sub->add_option("-o,--output", c->output, "also write them to a JSON file");

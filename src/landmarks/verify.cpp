@@ -15,7 +15,8 @@ namespace {
 constexpr double kWorstOutliers = 0.15;  // [-] share of outliers among eyes, brows and nose
 constexpr double kWorstCore = 2.5;  // [mm] heads cost up to 2.0 there, other bumps 2.9 and more
 constexpr double kWorstCost = 5.0;  // [mm] of the whole; heads up to 3.9, wrong places from 5.2
-constexpr double kShortest = 90;    // [mm] from the eyes to the back of a mean head; adults: 140
+constexpr double kShortest = 65;    // [mm] behind the eyes, of a mean head; a mask ends at 50
+constexpr double kWhole = 115;      // [mm] the same of a whole head: adults have 140
 
 // Median distance from behind the nose's root to the skin at the back, for a mean-sized head [mm].
 double depth_of_head(const Skin& skin, const FacePose& pose) {
@@ -49,6 +50,12 @@ void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::str
     throw InputError(fmt::format(
         "a face without the back of its head: the surface ends {:.0f} mm behind the eyes, a head "
         "reaches about 150 mm; scan the whole head",
+        depth * found.pose.scale));
+  }
+  if (depth < kWhole) {
+    warnings.push_back(fmt::format(
+        "the back of the head is missing: the surface ends {:.0f} mm behind the eyes; there is no "
+        "bone where there is no scan",
         depth * found.pose.scale));
   }
   if (!fit.has_lower_face()) {

@@ -117,13 +117,20 @@ TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
 }
 
 TEST_F(CommandLine, PrintsLandmarksInTheScansOwnNumbersAndTakesTheUsersOwn) {
-  const Outcome run = palpate(
-      {"landmarks", kHead.string(), "--json", "--quiet", "--landmark", "nose_tip=0.5,-20,106"});
+  const fs::path edit = folder / "points.txt";
+  write_file(edit, "# a point moved by hand\nfixed nasion 0.25 20 90\nfound chin 1 2 3 0.5\n");
+  const Outcome run = palpate({"landmarks", kHead.string(), "--json", "--quiet", "--landmark",
+                               "nose_tip=0.5,-20,106", "--edit", edit.string()});
   ASSERT_EQ(run.code, 0) << run.err;
   const json result = json::parse(run.out);
   EXPECT_EQ(result["unit_mm"], 1.0);
   EXPECT_EQ(result["landmarks"]["nose_tip"]["position"], json({0.5, -20.0, 106.0}));
   EXPECT_EQ(result["landmarks"]["nose_tip"]["confidence"], 1.0);
+  EXPECT_EQ(result["landmarks"]["nasion"]["position"], json({0.25, 20.0, 90.0}));
+  const std::string text = read_file(edit);
+  EXPECT_NE(text.find("fixed nasion 0.25 20 90 1.00\n"), std::string::npos) << text;
+  EXPECT_NE(text.find("\nfound eye_outer_left "), std::string::npos) << text;
+  EXPECT_EQ(text.find("chin 1 2 3"), std::string::npos) << text;  // found anew
 }
 
 TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
