@@ -159,6 +159,10 @@ void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
   sub->add_option("--poissons-ratio", c->poissons_ratio,
                   "[-] of the flesh, instead of the published 0.43")
       ->check(CLI::Range(0.0, 0.495));
+  sub->add_option("--modulus-spread", c->options.spread.modulus_spread,
+                  "[-] SD of ln E between people, for the error bars of the stiffness")
+      ->check(CLI::Range(0.0, 3.0))
+      ->capture_default_str();
   sub->add_option("--checkpoint", s.checkpoint,
                   "file that keeps what is solved; the same command goes on from it");
   sub->add_option("--seed", s.seed, "for the choice of sites")->capture_default_str();

@@ -65,6 +65,7 @@ void add_build_command(CLI::App& app);
 void add_stage_commands(CLI::App& app);         ///< repair, landmarks, place, fit, mesh
 void add_sweep_commands(CLI::App& app);         ///< sweep, merge
 void add_head_commands(CLI::App& app);          ///< inspect, export, report
+void add_compare_command(CLI::App& app);        ///< compare
 void add_touch_commands(CLI::App& app);         ///< touch, view, feel, devices, replay
 void add_study_analyse_command(CLI::App& app);  ///< study analyse
 void add_verify_command(CLI::App& app);         ///< verify

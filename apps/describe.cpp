@@ -51,6 +51,7 @@ json describe(const PipelineOptions& o) {
       {"sites", o.sweep.sites},
       {"error_bound", o.sweep.error_bound},
       {"no_bone_beyond_mm", o.sweep.no_bone_beyond},
+      {"modulus_spread", o.spread.modulus_spread},
       {"seed", o.sweep.seed},
   };
 }

@@ -57,6 +57,7 @@ int run(int argc, char** argv) {
   add_stage_commands(app);
   add_sweep_commands(app);
   add_head_commands(app);
+  add_compare_command(app);
   add_touch_commands(app);
   add_study_analyse_command(app);
   add_verify_command(app);

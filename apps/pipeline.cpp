@@ -151,6 +151,10 @@ MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
     });
   else
     mapped.map = mapped.sweep.map;
+  mapped.spread = clock.run("spread", [&] {
+    return stiffness::map_spread(mapped.map, located.head, skull, located.points, options.spread,
+                                 progress);
+  });
   return mapped;
 }
 
@@ -165,6 +169,8 @@ TouchableHead assemble(const PreparedScan& scan, const LocatedHead& located, con
   head.landmarks = located.detection.landmarks;
   head.skull = transformed(skull.mesh, frame.rotation.transpose(), frame.origin);
   head.skull_region = skull.region;
+  head.skull_spread = skull.spread;
+  head.spread = mapped.spread;
   head.depths = skull.depths;
   head.map = mapped.map;
   head.provenance = {

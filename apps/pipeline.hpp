@@ -18,6 +18,7 @@
 #include "landmarks/detect.hpp"
 #include "skull/fit.hpp"
 #include "stiffness/sweep.hpp"
+#include "stiffness/uncertainty.hpp"
 #include "surface/repair.hpp"
 #include "tetmesh/tissue.hpp"
 
@@ -31,6 +32,7 @@ struct PipelineOptions {
   skull::FitOptions fit;
   tetmesh::TissueOptions tissue;
   stiffness::SweepOptions sweep;
+  stiffness::SpreadOptions spread;
   std::filesystem::path skull_template;  ///< "" = bundled
   std::filesystem::path depth_table;     ///< "" = bundled
   std::filesystem::path ct;              ///< a CT volume instead of a scan; "" = none
@@ -99,6 +101,7 @@ struct LocatedHead {
 /// points, on those and carried over.
 struct MappedHead {
   StiffnessMap map;
+  MapSpread spread;
   stiffness::Sweep sweep;
 };
 [[nodiscard]] MappedHead make_map(const LocatedHead& located, const SkullFit& skull,

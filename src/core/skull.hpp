@@ -54,6 +54,12 @@ struct SkullFit {
   std::vector<DepthRow> depths;
   std::map<std::string, double> statistics;  ///< named figures of the fit, units in the names
   std::vector<std::string> warnings;
+  /// [mm] one per point: standard deviation of where the bone really lies, along the shortest way
+  /// to the skin. Empty where it is not estimated (a skull that was measured).
+  std::vector<double> spread;
+  /// Skulls that are as probable as the spread says: places of the same points, [mm]. For what
+  /// depends on the skull in more than one place. Empty as `spread` is.
+  std::vector<std::vector<Vec3>> draws;
 };
 
 }  // namespace palpate

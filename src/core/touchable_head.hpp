@@ -4,6 +4,7 @@
 #include <nlohmann/json.hpp>
 
 #include "core/landmarks.hpp"
+#include "core/map_spread.hpp"
 #include "core/skull.hpp"
 #include "core/stiffness_map.hpp"
 #include "core/surface_mesh.hpp"
@@ -17,8 +18,10 @@ struct TouchableHead {
   LandmarkSet landmarks;  ///< scan frame, [mm]
   SurfaceMesh skull;      ///< scan frame, [mm]
   std::vector<SkullRegion> skull_region;
+  std::vector<double> skull_spread;  ///< [mm] one per skull vertex, or empty: SkullFit::spread
   std::vector<DepthRow> depths;
   StiffnessMap map;           ///< one row per skin vertex
+  MapSpread spread;           ///< of the map; may be empty
   nlohmann::json provenance;  ///< input hash, version, every option, fit and mesh statistics
   nlohmann::json run;         ///< timings and thread count: all that may differ between equal runs
 };

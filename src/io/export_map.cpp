@@ -47,7 +47,8 @@ std::vector<float> stiffness(const StiffnessMap& map) {
   return out;
 }
 
-json column_notes(const StiffnessMap& map) {
+json column_notes(const TouchableHead& head) {
+  const StiffnessMap& map = head.map;
   json notes = json::array();
   const auto add = [&](const std::string& name, const char* unit, const std::string& meaning) {
     notes.push_back({{"name", name}, {"unit", unit}, {"meaning", meaning}});
@@ -67,7 +68,21 @@ json column_notes(const StiffnessMap& map) {
         fmt::format("travel of the tool along the inward normal from first contact, at f_{}; nan "
                     "where there is no curve",
                     i));
+  if (!head.spread.empty()) {
+    add("depth_sd_mm", "mm", "one standard deviation of depth_mm");
+    add("stiffness_low", "N/mm", "lower end of the 95 % range of force / travel at 2 N");
+    add("stiffness_high", "N/mm", "upper end");
+  }
   return notes;
+}
+
+/// Ends of the stiffness' 95 % range: sign -2 the lower, 2 the upper one.
+std::vector<float> stiffness_end(const TouchableHead& head, double sign) {
+  std::vector<float> out(head.map.size());
+  for (std::size_t v = 0; v < out.size(); ++v)
+    out[v] = static_cast<float>(secant_stiffness(head.map, v, kColourForce) *
+                                std::exp(sign * head.spread.stiffness[v]));
+  return out;
 }
 
 }  // namespace
@@ -77,6 +92,11 @@ void write_map_csv(const std::filesystem::path& path, const TouchableHead& head)
   std::string out = "vertex,x,y,z,region,depth_mm,status,error";
   for (const char* prefix : {"f", "u"})
     for (std::size_t i = 1; i <= map.forces.size(); ++i) out += fmt::format(",{}_{}", prefix, i);
+  std::vector<float> low, high;
+  if (!head.spread.empty()) {
+    out += ",depth_sd_mm,stiffness_low,stiffness_high";
+    low = stiffness_end(head, -2), high = stiffness_end(head, 2);
+  }
   out += '\n';
   std::string forces;
   for (const double f : map.forces) forces += fmt::format(",{}", f);
@@ -94,10 +114,11 @@ void write_map_csv(const std::filesystem::path& path, const TouchableHead& head)
     out += forces;
     for (const double u : map.curve(v))
       number(map.has_curve(v) ? u : std::numeric_limits<double>::quiet_NaN());
+    if (!head.spread.empty()) number(head.spread.depth[v]), number(low[v]), number(high[v]);
     out += '\n';
   }
   json sidecar;
-  sidecar["columns"] = column_notes(map);
+  sidecar["columns"] = column_notes(head);
   sidecar["rows"] = map.size();
   sidecar["scan_unit_mm"] = head.unit_mm;
   sidecar["tool_radius_mm"] = map.tool_radius;
@@ -128,6 +149,10 @@ void write_map_ply(const std::filesystem::path& path, const TouchableHead& head)
                  "property float error\nproperty float stiffness\n",
                  map.size());
   for (std::size_t i = 1; i <= samples; ++i) fmt::format_to(to, "property float u_{}\n", i);
+  if (!head.spread.empty())
+    out +=
+        "property float depth_sd_mm\nproperty float stiffness_low\nproperty float "
+        "stiffness_high\n";
   fmt::format_to(to, "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                  head.skin.triangles.size());
   const auto put = [&out](auto value) {
@@ -135,6 +160,8 @@ void write_map_ply(const std::filesystem::path& path, const TouchableHead& head)
   };
   const StiffnessColours colours = stiffness_colours(map);
   const std::vector<float> secant = stiffness(map);
+  std::vector<float> low, high;
+  if (!head.spread.empty()) low = stiffness_end(head, -2), high = stiffness_end(head, 2);
   for (std::size_t v = 0; v < map.size(); ++v) {
     for (int k = 0; k < 3; ++k) put(mm(head, v, k));
     for (const std::uint8_t c : colours.colour[v]) put(c);
@@ -144,6 +171,8 @@ void write_map_ply(const std::filesystem::path& path, const TouchableHead& head)
     put(static_cast<float>(map.error[v]));
     put(secant[v]);
     for (const double u : map.curve(v)) put(static_cast<float>(u));
+    if (!head.spread.empty())
+      put(static_cast<float>(head.spread.depth[v])), put(low[v]), put(high[v]);
   }
   for (const Triangle& t : head.skin.triangles) {
     put(std::uint8_t{3});
@@ -173,6 +202,11 @@ void write_map_vtp(const std::filesystem::path& path, const TouchableHead& head)
   xml.array("status", codes(map.status));
   for (std::size_t i = 0; i < map.forces.size(); ++i)
     xml.array(fmt::format("u_{}", i + 1), travel(map, i));
+  if (!head.spread.empty()) {
+    xml.array("depth_sd_mm", column(head.spread.depth));
+    xml.array("stiffness_low", stiffness_end(head, -2));
+    xml.array("stiffness_high", stiffness_end(head, 2));
+  }
   xml.line("</PointData>");
   std::vector<float> points;
   for (std::size_t v = 0; v < map.size(); ++v)

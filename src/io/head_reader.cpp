@@ -45,6 +45,9 @@ class HeadReader {
       head_.skull = read_mesh(skull, "skull");
       head_.skull_region =
           codes<SkullRegion>(skull, head_.skull.points.size(), kSkullRegionNames.size(), "_REGION");
+      const auto attributes = skull.find("attributes");
+      if (attributes != skull.end() && attributes->is_object() && attributes->contains("_DEPTH_SD"))
+        head_.skull_spread = values(skull, "_DEPTH_SD", head_.skull.points.size());
     }
     head_.provenance = member(*extension_, "provenance");
     head_.run = member(*extension_, "run");
@@ -215,6 +218,12 @@ class HeadReader {
     if (extension_->contains("method_names")) {
       check_names("method_names", kSolveMethodNames);
       map.method = codes<SolveMethod>(primitive, n, kSolveMethodNames.size(), "_METHOD");
+    }
+    if (extension_->contains("spread")) {
+      head_.spread.depth = values(primitive, "_DEPTH_SD", n);
+      head_.spread.stiffness = values(primitive, "_STIFFNESS_SD", n);
+      for (std::vector<double>* column : {&head_.spread.depth, &head_.spread.stiffness})
+        std::replace(column->begin(), column->end(), -1.0, kNaN);
     }
     if (!extension_->contains("dents")) return;
     const json& dents = member(*extension_, "dents");

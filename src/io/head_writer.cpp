@@ -35,6 +35,11 @@ void check_map(const TouchableHead& head) {
     for (std::size_t r = 0; r < map.dents.radii.size() && map.has_curve(v); ++r)
       if (!std::isfinite(map.dents.share[v * map.dents.radii.size() + r]))
         refuse(fmt::format("vertex {}: its dent is not finite", v));
+  for (const std::vector<double>* column : {&head.spread.depth, &head.spread.stiffness})
+    if (column->size() != (head.spread.empty() ? 0 : n))
+      refuse(fmt::format("the spread has not one row for each of the {} vertices", n));
+  if (!head.skull_spread.empty() && head.skull_spread.size() != head.skull.points.size())
+    refuse("the skull's spread has not one row for each of its vertices");
   if (head.skull_region.size() != head.skull.points.size())
     refuse("the skull has not one region per vertex");
   for (const SurfaceMesh* mesh : {&head.skin, &head.skull})
@@ -113,6 +118,10 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
   attributes["_STATUS"] = glb.add_floats(floats(map.status, code), 1);
   attributes["_REGION"] = glb.add_floats(floats(map.region, code), 1);
   if (!map.method.empty()) attributes["_METHOD"] = glb.add_floats(floats(map.method, code), 1);
+  if (!head.spread.empty()) {
+    attributes["_DEPTH_SD"] = glb.add_floats(floats(head.spread.depth, or_missing), 1);
+    attributes["_STIFFNESS_SD"] = glb.add_floats(floats(head.spread.stiffness, or_missing), 1);
+  }
   for (std::size_t r = 0; r < map.dents.radii.size(); ++r) {
     std::vector<float> ring;
     for (std::size_t v = 0; v < map.size(); ++v)
@@ -185,6 +194,10 @@ json extension(const TouchableHead& head, const StiffnessColours& colours) {
   if (!head.map.method.empty()) out["method_names"] = kSolveMethodNames;
   if (!head.map.dents.radii.empty())
     out["dents"] = {{"force_n", head.map.dents.force}, {"radii_mm", head.map.dents.radii}};
+  if (!head.spread.empty())
+    out["spread"] = {{"depth", "one standard deviation [mm]"},
+                     {"stiffness", "one standard deviation of ln(force / travel) at force_n"},
+                     {"force_n", kColourForce}};
   out["skin_region_names"] = kSkinRegionNames;
   out["skull_region_names"] = kSkullRegionNames;
   out["colour"] = {{"quantity", "force / travel"}, {"force_n", kColourForce}, {"unit", "N/mm"},
@@ -228,6 +241,8 @@ std::string head_bytes(const TouchableHead& head) {
     bone["NORMAL"] = glb.add_floats(float_normals(head.skull), 3);
     bone["_REGION"] = glb.add_floats(
         floats(head.skull_region, [](SkullRegion r) { return static_cast<float>(r); }), 1);
+    if (!head.skull_spread.empty())
+      bone["_DEPTH_SD"] = glb.add_floats(floats(head.skull_spread, or_missing), 1);
     meshes.push_back(
         {{"name", "skull"}, {"primitives", json::array({primitive(glb, bone, head.skull, 1)})}});
     nodes.push_back(node("skull", 1, head.frame, 1.0));

@@ -227,18 +227,20 @@ Image HeadPictures::skull(View view) const {
   return renderer_.picture(head_[static_cast<std::size_t>(view)], looks);
 }
 
-Image HeadPictures::depth(View view, const ColorRange& range) const {
+Image HeadPictures::values(View view, const std::vector<double>& values,
+                           const ColorRange& range) const {
   Look look;
-  look.colors = heat(map_->depth, range);
+  look.colors = heat(values, range);
   look.relief = kMapRelief;
   return painted(view, std::move(look));
 }
 
+Image HeadPictures::depth(View view, const ColorRange& range) const {
+  return values(view, map_->depth, range);
+}
+
 Image HeadPictures::stiffness(View view, const ColorRange& range) const {
-  Look look;
-  look.colors = heat(all_stiffness(*map_), range);
-  look.relief = kMapRelief;
-  return painted(view, std::move(look));
+  return values(view, all_stiffness(*map_), range);
 }
 
 Image HeadPictures::regions(View view) const {

@@ -37,6 +37,9 @@ class HeadPictures {
   [[nodiscard]] Image skull(View view) const;  ///< in translucent skin
   [[nodiscard]] Image depth(View view, const ColorRange& range) const;
   [[nodiscard]] Image stiffness(View view, const ColorRange& range) const;
+  /// Any number per vertex in the sequential colours; NaN is grey.
+  [[nodiscard]] Image values(View view, const std::vector<double>& values,
+                             const ColorRange& range) const;
   [[nodiscard]] Image regions(View view) const;
   [[nodiscard]] Image status(View view) const;  ///< solved points as beads
   /// The face with its landmarks, names and confidences beside it, as SVG that carries the picture.

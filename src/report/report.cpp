@@ -50,7 +50,9 @@ void write_report(const std::filesystem::path& path, const TouchableHead& head,
   add_depths(page, head, pictures);
   progress.step("report", 0.6);
   add_stiffness(page, head, summary, pictures);
-  progress.step("report", 0.75);
+  progress.step("report", 0.7);
+  add_spread(page, head, pictures);
+  progress.step("report", 0.8);
   add_coverage(page, head, pictures);
   add_tissue_mesh(page, head);
   add_record(page, head);

@@ -11,6 +11,8 @@ void add_overview(Page& page, const TouchableHead& head, const RegionSummary& su
 void add_scan_and_landmarks(Page& page, const HeadPictures& pictures);
 void add_skull(Page& page, const TouchableHead& head, const HeadPictures& pictures);
 void add_depths(Page& page, const TouchableHead& head, const HeadPictures& pictures);
+/// Nothing where the head states no spread.
+void add_spread(Page& page, const TouchableHead& head, const HeadPictures& pictures);
 void add_stiffness(Page& page, const TouchableHead& head, const RegionSummary& summary,
                    const HeadPictures& pictures);
 void add_coverage(Page& page, const TouchableHead& head, const HeadPictures& pictures);

@@ -263,6 +263,18 @@ int solve_spline(const Problem& p, SkullMap& map, double& energy, const Progress
   return std::min(it, p.options.depth.max_iterations);
 }
 
+/// Hessian of the energy where the spline stage ended.
+Eigen::MatrixXd information_at(const Problem& p, const SkullMap& map) {
+  const SplineSystem s = make_system(p, map);
+  const std::vector<Vec3> x = positions_of(p, s, map);
+  const Standing now = standing(p.points, x, normals_of(p, map), p.skin, p.options);
+  Eigen::MatrixXd hessian = s.stiffness;
+  Eigen::VectorXd rhs = Eigen::VectorXd::Zero(hessian.rows());
+  add_rows(p, s, map, linearise(p.points, x, now, p.skin, p.options), hessian, rhs);
+  hessian.diagonal().array() += kDamping * hessian.trace() / static_cast<double>(hessian.rows());
+  return hessian;
+}
+
 double least_jacobian(const SkullTemplate& skull, const SkullMap& map) {
   const double rest = map.linear.determinant();
   double least = 1e300;
@@ -331,7 +343,10 @@ DepthFit solve_depth_fit(const SkullTemplate& skull, const std::vector<FitPoint>
     fit.iterations += solve_spline(again, fit.map, fit.energy, progress);
     fit.bending_used = stiffer.depth.bending;
     fit.least_jacobian = least_jacobian(skull, fit.map);
-    if (fit.least_jacobian >= options.depth.least_jacobian) return fit;
+    if (fit.least_jacobian >= options.depth.least_jacobian) {
+      fit.information = information_at(again, fit.map);
+      return fit;
+    }
     stiffer.depth.bending *= kStiffer;
   }
   throw SolveError("the skull could not be fitted without folding: check the landmarks",

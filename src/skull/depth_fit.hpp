@@ -26,10 +26,13 @@ struct SkullMap {
 
 struct DepthFit {
   SkullMap map;
-  int iterations = 0;         ///< Gauss-Newton steps of all stages
-  double energy = 0;          ///< [-] at the end
-  double bending_used = 0;    ///< [mm] after stiffening, if any was needed
-  double least_jacobian = 0;  ///< [-] of the spline map (1 at rest) over the template's points
+  int iterations = 0;             ///< Gauss-Newton steps of all stages
+  double energy = 0;              ///< [-] at the end
+  double bending_used = 0;        ///< [mm] after stiffening, if any was needed
+  double least_jacobian = 0;      ///< [-] of the spline map (1 at rest) over the template's points
+  Eigen::MatrixXd information{};  ///< [1/mm^2] second derivatives of the energy at the end (Gauss-
+                                  ///< Newton); rows as in spline_stiffness. Its inverse is the
+                                  ///< covariance of the control points
 };
 
 /// The part of the energy that holds the spline: bending/2 * (sum u^T K u + asymmetry * the same of

@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <type_traits>
 
 #include "core/error.hpp"
 #include "registration/place.hpp"
@@ -16,6 +17,7 @@
 #include "skull/depth_terms.hpp"
 #include "skull/published.hpp"
 #include "skull/skin_field.hpp"
+#include "skull/spread.hpp"
 
 namespace palpate::skull {
 namespace {
@@ -89,6 +91,27 @@ std::vector<registration::CutPlane> planes_to_clip(const SkullFit& fit, const Sk
   return planes;
 }
 
+/// Carries the spread to the points that a cut left. Draws hold offsets until place_draws.
+void keep_only(SkullFit& fit, const std::vector<std::int32_t>& origin) {
+  const auto kept = [&](const auto& all) {
+    std::remove_cvref_t<decltype(all)> some;
+    for (const std::int32_t i : origin) some.push_back(all[i]);
+    return some;
+  };
+  fit.spread = kept(fit.spread);
+  for (auto& draw : fit.draws) draw = kept(draw);
+}
+
+/// Offsets to places, after the skull itself has come to rest.
+void place_draws(SkullFit& fit) {
+  for (auto& draw : fit.draws)
+    for (std::size_t v = 0; v < draw.size(); ++v) draw[v] += fit.mesh.points[v];
+  double sum = 0;
+  for (const double s : fit.spread) sum += s;
+  fit.statistics["spread_draws"] = static_cast<double>(fit.draws.size());
+  fit.statistics["spread_mean_mm"] = sum / static_cast<double>(fit.spread.size());
+}
+
 void clip_at_scan_ends(SkullFit& fit, const SkinField& skin, const FitOptions& options) {
   const std::vector<registration::CutPlane> planes = planes_to_clip(fit, skin, options);
   fit.statistics["clipped_mm3"] = 0;
@@ -98,6 +121,7 @@ void clip_at_scan_ends(SkullFit& fit, const SkinField& skin, const FitOptions& o
   std::vector<SkullRegion> region;
   for (const std::int32_t i : clipped.origin) region.push_back(fit.region[i]);
   fit.region = std::move(region);
+  keep_only(fit, clipped.origin);
   for (const registration::CutPlane& plane : planes)
     std::erase_if(fit.landmarks, [&](const auto& entry) {
       return plane.normal.dot(entry.second.position) > plane.offset;
@@ -137,6 +161,9 @@ SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const Sk
   SkullFit fit;
   fit.mesh = skull.mesh;
   for (Vec3& p : fit.mesh.points) p = solved.map(p);
+  SkullSpread spread = draw_spread(skull, fit.mesh.points, solved, model, skin);
+  fit.spread = std::move(spread.deviation);
+  fit.draws = std::move(spread.offset);
   fit.region = skull.region;
   for (const auto& [code, landmark] : skull.landmarks)
     fit.landmarks[code] = {
@@ -145,6 +172,7 @@ SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const Sk
             .stableNormalized()};
   clip_at_scan_ends(fit, skin, options);
   clear_the_skin(fit, skin, options, progress);
+  place_draws(fit);
   fit.statistics["self_intersections"] = double(count_self_intersections(fit.mesh));
   fit.statistics["placement_rms_mm"] = start.rms_mm;
   fit.statistics["iterations"] = solved.iterations;

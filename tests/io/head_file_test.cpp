@@ -61,6 +61,20 @@ TEST(HeadFile, GivesBackWhatWasWritten) {
   EXPECT_EQ(head_bytes(read), head_bytes(wrote));
 }
 
+TEST(HeadFile, KeepsTheSpreadAndRefusesOneOfAnotherLength) {
+  TouchableHead head = sample_head();
+  head.spread.depth.assign(head.map.size(), 1.5);
+  head.spread.stiffness.assign(head.map.size(), 0.25);
+  head.spread.depth[1] = head.spread.stiffness[1] = std::nan("");
+  head.skull_spread.assign(head.skull.points.size(), 2);
+  const TouchableHead read = parse_head(head_bytes(head), "a.glb");
+  expect_equal_or_nan(read.spread.depth, head.spread.depth);
+  expect_equal_or_nan(read.spread.stiffness, head.spread.stiffness);
+  expect_equal_or_nan(read.skull_spread, head.skull_spread);
+  head.spread.stiffness.pop_back();
+  EXPECT_THROW((void)head_bytes(head), InputError);
+}
+
 TEST(HeadFile, DiffersBetweenEqualRunsInTheRunObjectOnly) {
   TouchableHead one = sample_head(), two = sample_head();
   two.run = {{"threads", 1}, {"seconds", {{"sweep", 987654.321}, {"report", 1}}}};

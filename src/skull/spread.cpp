@@ -1,0 +1,91 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// With the energy's Hessian H = L L^T at the most probable map, L^-T z with z standard normal is a
+// draw from the Gaussian that osculates the posterior. The individual's field is a stationary
+// Gaussian process of unit variance with kernel exp(-r^2 / 2 range^2), drawn as random plane waves
+// (Rahimi & Recht 2007, "Random features for large-scale kernel machines"), times the local spread.
+#include "skull/spread.hpp"
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+#include "core/error.hpp"
+
+namespace palpate::skull {
+namespace {
+
+constexpr int kWaves = 32;  ///< plane waves per field: kurtosis within 5 % of a Gaussian's
+
+/// Standard normals with the same bits everywhere (Box & Muller 1958).
+class Normals {
+ public:
+  explicit Normals(std::uint64_t seed) : bits_(seed) {}
+  double uniform() { return (static_cast<double>(bits_() >> 11) + 0.5) * 0x1p-53; }
+  double operator()() {
+    const double size = std::sqrt(-2 * std::log(uniform()));
+    return size * std::cos(2 * std::numbers::pi * uniform());
+  }
+
+ private:
+  std::mt19937_64 bits_;
+};
+
+struct Wave {
+  Vec3 number;  ///< [1/mm]
+  double phase;
+};
+
+double field_at(const std::vector<Wave>& waves, const Vec3& x) {
+  double sum = 0;
+  for (const Wave& w : waves) sum += std::cos(w.number.dot(x) + w.phase);
+  return std::sqrt(2.0 / static_cast<double>(waves.size())) * sum;
+}
+
+}  // namespace
+
+SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fitted,
+                        const DepthFit& solved, const DepthModel& model, const SkinField& skin,
+                        const SpreadOptions& options) {
+  const Eigen::LLT<Eigen::MatrixXd> factor(solved.information);
+  if (factor.info() != Eigen::Success)
+    throw SolveError("the fit's uncertainty could not be computed: its Hessian is not definite");
+  const std::size_t n = fitted.size();
+  std::vector<SplineWeights> weights;
+  std::vector<SkinDepth> depth;
+  for (std::size_t v = 0; v < n; ++v) {
+    weights.push_back(solved.map.lattice.weights(skull.mesh.points[v]));
+    depth.push_back(skin.at(fitted[v]));
+  }
+  SkullSpread out{std::vector<double>(n, 0.0), {}};
+  Normals normal(options.seed);
+  const int controls = solved.map.lattice.size();
+  for (int k = 0; k < options.draws; ++k) {
+    Eigen::VectorXd z(3 * controls);
+    for (double& x : z) x = normal();
+    const Eigen::VectorXd step = factor.matrixU().solve(z);
+    const Eigen::Map<const Eigen::MatrixX3d> control(step.data(), controls, 3);
+    std::vector<Wave> waves(kWaves);
+    for (Wave& w : waves) {
+      const double x = normal(), y = normal(), zz = normal();
+      w = {Vec3(x, y, zz) / options.range, 2 * std::numbers::pi * normal.uniform()};
+    }
+    std::vector<Vec3> offset(n);
+    for (std::size_t v = 0; v < n; ++v) {
+      Vec3 u = Vec3::Zero();
+      for (int c = 0; c < 64; ++c)
+        u += weights[v].share[c] * control.row(weights[v].control[c]).transpose();
+      const Vec3 moved = solved.map.linear * u, &inward = depth[v].gradient;
+      out.deviation[v] += std::pow(inward.dot(moved), 2) / options.draws;
+      const double own = model.sd[v] * field_at(waves, skull.mesh.points[v]);
+      const double up = std::min(0.0, options.least_depth - depth[v].depth);  // as far as it may go
+      const double wanted = inward.dot(moved) + own;
+      offset[v] = moved + (std::max(wanted, up) - inward.dot(moved)) * inward;
+    }
+    out.offset.push_back(std::move(offset));
+  }
+  for (std::size_t v = 0; v < n; ++v)
+    out.deviation[v] = std::sqrt(out.deviation[v] + model.sd[v] * model.sd[v]);
+  return out;
+}
+
+}  // namespace palpate::skull

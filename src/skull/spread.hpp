@@ -1,0 +1,32 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+// How far the fitted skull may be off: skulls drawn from the fit's posterior.
+#pragma once
+#include "skull/depth_fit.hpp"
+#include "skull/depth_model.hpp"
+
+namespace palpate::skull {
+
+struct SpreadOptions {
+  int draws = 32;          ///< skulls drawn; a standard deviation from 32 is good to 12 %
+  double range = 30;       ///< [mm] over which an individual's difference resembles itself: the
+                           ///< range of the depth model
+  double least_depth = 1;  ///< [mm] no drawn bone is nearer to the skin: skin alone is thicker
+  std::uint64_t seed = 1;  ///< of the draws
+};
+
+struct SkullSpread {
+  std::vector<double> deviation;          ///< [mm] per template point, along the way to the skin
+  std::vector<std::vector<Vec3>> offset;  ///< [mm] per draw and template point, head frame
+};
+
+/// Two independent parts. The map's own doubt: Gauss-Newton's linearisation of the posterior, whose
+/// prior is the table's depths with their SDs, the spline's bending and its symmetry. And what no
+/// face shows: how an individual's bone differs from the map's, a Gaussian field whose spread is
+/// the depth model's (individuals' SDs of the table, and the doubt of interpolating them).
+/// @param fitted  the template's points under `solved.map`, head frame [mm]
+/// @note Deterministic. One Cholesky factorisation and `draws` back substitutions.
+[[nodiscard]] SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fitted,
+                                      const DepthFit& solved, const DepthModel& model,
+                                      const SkinField& skin, const SpreadOptions& options = {});
+
+}  // namespace palpate::skull
