@@ -11,6 +11,7 @@
 #include <set>
 
 #include "serve/access.hpp"
+#include "serve/channel.hpp"
 #include "serve/live.hpp"
 #include "serve/page_files.hpp"
 
@@ -27,15 +28,26 @@ class Page {
   virtual void send_state(std::shared_ptr<const std::string> message) = 0;
 };
 
+/// One page's socket of a channel.
+class ChannelPage {
+ public:
+  virtual ~ChannelPage() = default;
+  virtual void refresh() = 0;  ///< sends what is new
+};
+
 struct Hub {
-  Hub(PageFiles page_files, AccessPolicy access, LiveTouch& live_touch, std::size_t most)
+  Hub(PageFiles page_files, AccessPolicy access, LiveTouch* live_touch, Channels all_channels,
+      std::size_t most)
       : files(std::move(page_files)),
         policy(std::move(access)),
         live(live_touch),
+        channels(std::move(all_channels)),
         max_connections(most) {}
   PageFiles files;
   AccessPolicy policy;
-  LiveTouch& live;
+  LiveTouch* live;  ///< null where no touch is served
+  Channels channels;
+  std::set<ChannelPage*> channel_pages;
   std::size_t max_connections;
   std::set<Page*> pages;
   std::uint64_t next_client = 1;
@@ -58,5 +70,9 @@ class OpenCount {
 /// Answers the upgrade and lives on by itself until the connection ends.
 void start_web_socket(boost::beast::tcp_stream stream, Request request, Hub& hub,
                       std::unique_ptr<OpenCount> count);
+
+/// Takes the stream over where the request is for a channel and knows its key; else leaves it.
+bool start_channel(boost::beast::tcp_stream& stream, const Request& request, Hub& hub,
+                   std::unique_ptr<OpenCount>& count);
 
 }  // namespace palpate::serve

@@ -76,8 +76,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
 
   void serve(Request request) {
     const std::string path(path_of(view(request.target())));
-    if (path == "/live" && beast::websocket::is_upgrade(request))
+    if (path == "/live" && hub_.live && beast::websocket::is_upgrade(request))
       return start_web_socket(std::move(stream_), std::move(request), hub_, std::move(count_));
+    if (beast::websocket::is_upgrade(request) && start_channel(stream_, request, hub_, count_))
+      return;
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return answer(request, http::status::method_not_allowed, kPlain, "GET or HEAD only\n");
     const auto file = hub_.files.find(path);
@@ -87,7 +89,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   }
 
   void hand_out_cookie(const Request& request) {
-    if (beast::websocket::is_upgrade(request))
+    if (hub_.live && beast::websocket::is_upgrade(request))
       return start_web_socket(std::move(stream_), request, hub_, std::move(count_));
     Response response = prepare(request, http::status::see_other, kPlain, "");
     response.set(http::field::set_cookie, fmt::format("{}={}; HttpOnly; SameSite=Strict; Path=/",
@@ -170,8 +172,9 @@ AccessPolicy policy_of(const ServerOptions& options) {
 }  // namespace
 
 struct Server::Inner {
-  Inner(const ServerOptions& o, PageFiles files, LiveTouch& live)
-      : options(o), hub(std::move(files), policy_of(o), live, o.max_connections) {
+  Inner(const ServerOptions& o, PageFiles files, LiveTouch* live, Channels channels)
+      : options(o),
+        hub(std::move(files), policy_of(o), live, std::move(channels), o.max_connections) {
     const tcp::endpoint at(asio::ip::make_address(o.address), o.port);
     try {
       acceptor.open(at.protocol());
@@ -226,9 +229,12 @@ struct Server::Inner {
         duration_cast<nanoseconds>(duration<double>(1 / options.display_rate_hz)));
     display.async_wait([this](beast::error_code stopped) {
       if (stopped) return;
-      hub.live.keep();
+      // A page may leave while it is refreshed.
+      const auto open = hub.channel_pages;
+      for (ChannelPage* page : open) page->refresh();
+      if (hub.live) hub.live->keep();
       if (!hub.pages.empty()) {
-        const auto state = std::make_shared<const std::string>(hub.live.state());
+        const auto state = std::make_shared<const std::string>(hub.live->state());
         for (Page* page : hub.pages) page->send_state(state);
       }
       show();
@@ -240,7 +246,7 @@ struct Server::Inner {
     health.async_wait([this](beast::error_code stopped) {
       if (stopped) return;
       if (!hub.pages.empty()) {
-        auto facts = hub.live.health();
+        auto facts = hub.live->health();
         facts["pages"] = hub.pages.size();
         const auto text = std::make_shared<const std::string>(facts.dump());
         for (Page* page : hub.pages) page->send_text(text);
@@ -259,7 +265,9 @@ struct Server::Inner {
 };
 
 Server::Server(const ServerOptions& options, PageFiles files, LiveTouch& live)
-    : inner_(std::make_unique<Inner>(options, std::move(files), live)) {}
+    : inner_(std::make_unique<Inner>(options, std::move(files), &live, Channels{})) {}
+Server::Server(const ServerOptions& options, PageFiles files, Channels channels)
+    : inner_(std::make_unique<Inner>(options, std::move(files), nullptr, std::move(channels))) {}
 Server::~Server() = default;
 
 unsigned short Server::port() const {

@@ -4,6 +4,7 @@
 #include <memory>
 #include <string>
 
+#include "serve/channel.hpp"
 #include "serve/live.hpp"
 #include "serve/page_files.hpp"
 
@@ -26,6 +27,9 @@ class Server {
   /// @param live  outlives the server; used by the server's thread alone from here on
   /// @throws InputError  the address or port cannot be bound, or a token is missing
   Server(const ServerOptions& options, PageFiles files, LiveTouch& live);
+  /// Serves `files` and the channels' sockets at their paths, no touch.
+  /// @throws InputError  as above
+  Server(const ServerOptions& options, PageFiles files, Channels channels);
   ~Server();  ///< closes all connections
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;

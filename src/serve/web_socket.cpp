@@ -22,7 +22,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
         socket_(std::move(stream)),
         client_(hub.next_client++) {}
   ~PageSession() override {
-    hub_.live.forget(client_);
+    hub_.live->forget(client_);
     if (hub_.pages.erase(this) > 0) --hub_.page_count;
   }
   PageSession(const PageSession&) = delete;
@@ -56,7 +56,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
     if (error) return;
     hub_.pages.insert(this);
     ++hub_.page_count;
-    send_text(std::make_shared<const std::string>(hub_.live.hello().dump()));
+    send_text(std::make_shared<const std::string>(hub_.live->hello().dump()));
     read();
   }
 
@@ -77,7 +77,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
     const std::string_view bytes(static_cast<const char*>(data.data()), data.size());
     const auto command = socket_.got_binary() ? parse_command(bytes) : std::nullopt;
     if (!command) return refuse();
-    hub_.live.apply(*command, client_);
+    hub_.live->apply(*command, client_);
     buffer_.consume(buffer_.size());
     read();
   }
@@ -94,7 +94,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
     closing_ = true;
     texts_.clear();
     if (hub_.pages.erase(this) > 0) --hub_.page_count;
-    hub_.live.forget(client_);
+    hub_.live->forget(client_);
   }
 
   void write_next() {
