@@ -67,6 +67,7 @@ void add_sweep_commands(CLI::App& app);         ///< sweep, merge
 void add_head_commands(CLI::App& app);          ///< inspect, export, report
 void add_compare_command(CLI::App& app);        ///< compare
 void add_touch_commands(CLI::App& app);         ///< touch, view, feel, devices, replay
+void add_study_commands(CLI::App& app);         ///< study run, check, withdraw, upgrade
 void add_study_analyse_command(CLI::App& app);  ///< study analyse
 void add_verify_command(CLI::App& app);         ///< verify
 void add_completion_command(CLI::App& app);

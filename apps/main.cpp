@@ -25,12 +25,19 @@ std::vector<std::string> expand_config(CLI::App& app, std::vector<std::string> w
         app.get_subcommands([&](const CLI::App* one) { return one->get_name() == words.front(); });
     if (subs.empty()) return words;
     const CLI::App* sub = subs.front();
+    std::ptrdiff_t after = 1;
+    for (const CLI::App* nested : sub->get_subcommands({}))  // "study run"
+      if (words.size() > 1 && nested->get_name() == words[1]) {
+        sub = nested;
+        after = 2;
+        break;
+      }
     std::set<std::string> known;
     for (const CLI::Option* option : sub->get_options())
       for (const std::string& name : option->get_lnames())
         if (name != "config" && name != "help") known.insert(name);
     const auto from_file = read_config(file, known);
-    words.insert(words.begin() + 1, from_file.begin(), from_file.end());
+    words.insert(words.begin() + after, from_file.begin(), from_file.end());
     return words;
   }
   return words;
@@ -59,6 +66,7 @@ int run(int argc, char** argv) {
   add_head_commands(app);
   add_compare_command(app);
   add_touch_commands(app);
+  add_study_commands(app);
   add_study_analyse_command(app);
   add_verify_command(app);
   add_completion_command(app);
