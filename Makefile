@@ -3,7 +3,7 @@ PRESET ?= release
 BUILD := build/$(PRESET)
 OUT ?= out
 
-.PHONY: build demo test bench bench-anatomy bench-touch bench-study verify lint format assets fuzz layout
+.PHONY: build demo test bench bench-anatomy bench-touch bench-study study-simulated study-kills verify lint format assets fuzz layout
 
 build: $(BUILD)/build.ninja
 	cmake --build $(BUILD)
@@ -51,6 +51,16 @@ bench-study: build
 	cmake --preset $(PRESET) -DPALPATE_BENCH=ON
 	cmake --build $(BUILD) --target bench_study
 	$(BUILD)/bench/bench_study --program $(BUILD)/palpate
+
+# 25 simulated participants through the whole published protocol, unattended, then checked.
+study-simulated: build $(OUT)/head.glb
+	rm -f $(OUT)/rehearsal.db
+	$(BUILD)/palpate study run protocols/head-stiffness-2015.toml $(OUT)/head.glb -o $(OUT)/rehearsal.db --simulate --participants 25
+	$(BUILD)/palpate study check $(OUT)/rehearsal.db
+
+# A study killed at 200 random moments: no answer lost, at most a second of samples, the same order.
+study-kills: build
+	PALPATE_KILLS=200 $(BUILD)/tests/apps/test_apps --gtest_filter='*AKillAtAnyMoment*'
 
 $(OUT)/head.glb:
 	$(MAKE) demo
