@@ -174,7 +174,8 @@ void add_study_commands(CLI::App& app) {
   CLI::App* group = app.add_subcommand("study", "run a study of a head, check it, analyse it");
   group->require_subcommand(1);
   group->footer(
-      "Start with:  palpate study run protocols/head-stiffness-2015.toml head.glb -o study.db");
+      "Start with:  palpate study run protocols/head-stiffness-2015.toml head.glb -o study.db\n"
+      "then:        palpate study check study.db; palpate study analyse study.db -o results");
   add_run(*group);
   add_small(*group);
 }
