@@ -81,7 +81,7 @@ inline std::string nrrd_of(const Volume& v) {
   std::string out =
       "NRRD0004\n# made by a test\ntype: short\ndimension: 3\nspace: "
       "left-posterior-superior\nsizes:";
-  for (const int n : v.size) out += " " + std::to_string(n);
+  for (const int n : v.size) out.append(" ").append(std::to_string(n));
   out += "\nspace directions:";
   for (int a = 0; a < 3; ++a)
     out += " (" + std::to_string(v.step(0, a)) + "," + std::to_string(v.step(1, a)) + "," +
@@ -113,7 +113,7 @@ inline std::string dicom_of(const Volume& v, int k) {
   };
   const auto numbers = [](std::initializer_list<double> all) {
     std::string s;
-    for (const double x : all) s += (s.empty() ? "" : "\\") + std::to_string(x);
+    for (const double x : all) s.append(s.empty() ? "" : "\\").append(std::to_string(x));
     return s;
   };
   const auto us = [](int x) {
