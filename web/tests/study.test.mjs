@@ -40,6 +40,7 @@ function start() {
   return new Promise((resolve, reject) => {
     program.on("exit", (code) => reject(new Error(`palpate ended with ${code}`)));
     createInterface({ input: program.stdout }).on("line", (line) => {
+      if (found.participant && found.experimenter) return; // the rest is the report at the end
       Object.assign(found, JSON.parse(line));
       if (found.participant && found.experimenter) resolve(found);
     });
