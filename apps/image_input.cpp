@@ -22,7 +22,8 @@ PreparedScan prepare_image(const PipelineOptions& options, const Progress& progr
   });
   prepared.scan.mesh = std::move(head.skin);
   prepared.scan.format = volume.format;
-  if (std::filesystem::is_regular_file(path)) prepared.scan.sha256 = io::sha256_hex(read_file(path));
+  if (std::filesystem::is_regular_file(path))
+    prepared.scan.sha256 = io::sha256_hex(read_file(path));
   prepared.scan.warnings = std::move(head.warnings);
   prepared.image_notes = std::move(head.notes);
   prepared.known_skull = std::move(head.skull);

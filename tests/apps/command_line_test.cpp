@@ -101,8 +101,8 @@ TEST_F(CommandLine, BuildsTheBundledHeadTheSameOnOneAndTwoThreads) {
   EXPECT_EQ(one.skull.points, two.skull.points);
   EXPECT_EQ(one.map.method, two.map.method);
   EXPECT_TRUE(same_bits(one.map.dents.share, two.map.dents.share));
-  EXPECT_DOUBLE_EQ(
-      one.provenance["options"]["tissue_model"]["youngs_modulus_kpa"].get<double>(), 45.658);
+  EXPECT_DOUBLE_EQ(one.provenance["options"]["tissue_model"]["youngs_modulus_kpa"].get<double>(),
+                   45.658);
 
   const json& head = described[0];
   EXPECT_EQ(head["provenance"]["fit"]["outside_count"], 0);
