@@ -48,7 +48,8 @@ double lower_border(double z) {
       z);
 }
 
-// The jaw line that a finger finds: a band of 20 mm along the mandible's lower border and its angle.
+// The jaw line that a finger finds: a band of 20 mm along the mandible's lower border and its
+// angle.
 constexpr double kJawBand = 20;  // [mm]
 double jaw_top(double z) {
   return lower_border(z) + kJawBand;

@@ -20,8 +20,8 @@ struct PatchRule {
   std::vector<Ring> rings;  ///< ascending radius, without the middle
   int layers = 2;
   double first_layer = 2.5;  ///< [mm] thickest layer under the skin; the others grow
-  double touch_radius = 0;  ///< [mm] skin faces whose corners lie within may be touched
-  bool hold_rim = true;     ///< outermost ring held like the bone, or free
+  double touch_radius = 0;   ///< [mm] skin faces whose corners lie within may be touched
+  bool hold_rim = true;      ///< outermost ring held like the bone, or free
 };
 /// Rings for a sphere of `tool_radius` on a domain of `outer_radius` [mm] (docs/method/sweep.md).
 [[nodiscard]] PatchRule default_rule(double tool_radius, double outer_radius, int layers);

@@ -84,15 +84,16 @@ int main(int argc, char** argv) {
     std::ifstream in(argv[1]);
     if (!(in >> mesh)) throw std::runtime_error(std::string(argv[1]) + ": not a manifold OFF mesh");
     if (!whole && !snap_border(mesh)) throw std::runtime_error("the border leaves the plane x = 0");
-    PMP::isotropic_remeshing(mesh.faces(), edge, mesh,
-                             PMP::parameters::number_of_iterations(iterations)
-                                 .number_of_relaxation_steps(3));
+    PMP::isotropic_remeshing(
+        mesh.faces(), edge, mesh,
+        PMP::parameters::number_of_iterations(iterations).number_of_relaxation_steps(3));
     mesh.collect_garbage();
     if (!whole) {
       if (!snap_border(mesh)) throw std::runtime_error("remeshing moved the border off x = 0");
       mirror_and_join(mesh);
     }
-    if (CGAL::is_closed(mesh) && !PMP::is_outward_oriented(mesh)) PMP::reverse_face_orientations(mesh);
+    if (CGAL::is_closed(mesh) && !PMP::is_outward_oriented(mesh))
+      PMP::reverse_face_orientations(mesh);
     report(mesh);
     std::ofstream out(argv[2]);
     out.precision(9);
