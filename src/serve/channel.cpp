@@ -104,9 +104,7 @@ class ChannelSession final : public ChannelPage,
 
   void on_read(beast::error_code error, std::size_t) {
     if (error) {
-      if (error != websocket::error::closed &&
-          error.category() == beast::error_code(websocket::error::closed).category())
-        ++hub_.refused;
+      if (broke_the_rules(error)) ++hub_.refused;
       return leave();
     }
     const auto data = buffer_.data();

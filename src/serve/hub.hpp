@@ -7,6 +7,7 @@
 #include <boost/beast/core/tcp_stream.hpp>
 #include <boost/beast/http/empty_body.hpp>
 #include <boost/beast/http/message.hpp>
+#include <boost/beast/websocket/error.hpp>
 #include <deque>
 #include <set>
 
@@ -54,6 +55,13 @@ struct Hub {
   std::atomic<std::size_t> open{0}, page_count{0};
   std::atomic<std::uint64_t> accepted{0}, refused{0};
 };
+
+/// Whether a socket ended because of what came over it: a broken frame or one too long, to which
+/// Beast has answered with the close that it deserves.
+inline bool broke_the_rules(boost::beast::error_code error) {
+  using boost::beast::websocket::error::closed;
+  return error != closed && error.category() == boost::beast::error_code(closed).category();
+}
 
 /// Counts a connection as open while it lives.
 class OpenCount {

@@ -67,10 +67,7 @@ class PageSession final : public Page, public std::enable_shared_from_this<PageS
 
   void on_read(beast::error_code error, std::size_t) {
     if (error) {
-      // Beast has answered a broken frame or one too long with the close that it deserves.
-      if (error != websocket::error::closed &&
-          error.category() == beast::error_code(websocket::error::closed).category())
-        ++hub_.refused;
+      if (broke_the_rules(error)) ++hub_.refused;
       return leave();
     }
     const auto data = buffer_.data();

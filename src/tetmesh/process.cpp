@@ -59,11 +59,12 @@ class Child {
 struct SpawnSetup {
   posix_spawn_file_actions_t files;
   posix_spawnattr_t attributes;
-  explicit SpawnSetup(const char* log) {
+  SpawnSetup(const char* log, const char* folder) {
     posix_spawn_file_actions_init(&files);
     posix_spawn_file_actions_addopen(&files, 0, "/dev/null", O_RDONLY, 0);
     posix_spawn_file_actions_addopen(&files, 1, log, O_WRONLY | O_CREAT | O_TRUNC, 0600);
     posix_spawn_file_actions_adddup2(&files, 1, 2);
+    posix_spawn_file_actions_addchdir_np(&files, folder);
     posix_spawnattr_init(&attributes);
     // A group of its own: Ctrl-C reaches us alone, and we end it.
     posix_spawnattr_setpgroup(&attributes, 0);
@@ -97,12 +98,15 @@ void read_last_words(const std::filesystem::path& log, ProcessResult& result) {
 }
 
 /// @return pid, or 0 where there is no such program
-pid_t spawn(const std::string& program, const std::vector<std::string>& arguments,
+pid_t spawn(const std::string& name, const std::vector<std::string>& arguments,
             const std::filesystem::path& log) {
+  // A path given from here must still be right there.
+  const bool is_path = name.find('/') != std::string::npos;
+  const std::string program = is_path ? std::filesystem::absolute(name).string() : name;
   std::vector<char*> argv = {const_cast<char*>(program.c_str())};
   for (const std::string& a : arguments) argv.push_back(const_cast<char*>(a.c_str()));
   argv.push_back(nullptr);
-  const SpawnSetup setup(log.c_str());
+  const SpawnSetup setup(log.c_str(), std::filesystem::absolute(log).parent_path().c_str());
   pid_t pid = 0;
   const int error =
       posix_spawnp(&pid, program.c_str(), &setup.files, &setup.attributes, argv.data(), environ);
@@ -117,7 +121,7 @@ TemporaryFolder::TemporaryFolder() {
   std::error_code ignored;
   std::filesystem::path base = std::filesystem::temp_directory_path(ignored);
   if (base.empty()) base = "/tmp";
-  std::string name = (base / "palpate-XXXXXX").string();
+  std::string name = (std::filesystem::absolute(base) / "palpate-XXXXXX").string();
   if (!mkdtemp(name.data()))
     throw FileError(fmt::format("cannot make a temporary folder in {}: {}; set TMPDIR",
                                 base.string(), std::strerror(errno)));

@@ -9,7 +9,7 @@
 
 namespace palpate::tetmesh {
 
-/// A folder of its own under $TMPDIR (or /tmp), readable by this user only, removed with all it
+/// A folder of its own, as an absolute path, under $TMPDIR (or /tmp), readable by this user only, removed with all it
 /// holds by the destructor.
 class TemporaryFolder {
  public:
@@ -33,7 +33,8 @@ struct ProcessResult {
 };
 
 /// Starts `program` (a name is looked for on PATH) with exactly these arguments, standard input
-/// empty, both output streams kept in `log`. Waits; progress.step(stage, ...) is called ten times a
+/// empty, both output streams kept in `log`, working in the log's folder, so that what it drops on
+/// its way is gone with that. Paths among the arguments must be absolute. Waits; progress.step(stage, ...) is called ten times a
 /// second, with a fraction that approaches 1 over `expected_seconds`.
 /// @throws Cancelled  from progress; the program has been ended by then
 /// @throws FileError  the system cannot start any program

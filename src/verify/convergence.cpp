@@ -62,7 +62,9 @@ double field_error(const TetMesh& mesh, const std::vector<Vec3>& displacement) {
   return std::sqrt(sum);
 }
 
-double error_of(ElementOrder order, int cells) {
+}  // namespace
+
+double displacement_error(ElementOrder order, int cells) {
   const TetMesh mesh = in_order(cube(cells), order);
   const std::shared_ptr<const EnergyDensity> law = neo_hookean(lame_moduli(kFleshModulus, 0.3));
   const TetQuadrature& rule = fine_quadrature();
@@ -82,6 +84,8 @@ double error_of(ElementOrder order, int cells) {
   return field_error(mesh, solve_equilibrium(mesh, law, held, loads, {1e-12, 60}).displacement);
 }
 
+namespace {
+
 /// Orders between neighbouring meshes; the last one is the figure.
 double add_orders(ElementOrder order, const std::vector<int>& cells, report::Page::Table& table,
                   plot::LinePlot& plot) {
@@ -89,7 +93,7 @@ double add_orders(ElementOrder order, const std::vector<int>& cells, report::Pag
   plot::Series series{label, {}, {}};
   double before = 0, rate = 0;
   for (const int n : cells) {
-    const double error = error_of(order, n);
+    const double error = displacement_error(order, n);
     if (before > 0) rate = std::log(before / error) / std::log(n / series.x.back());
     table.rows.push_back({label, fmt::format("{}", n), fmt::format("{:.3e}", error),
                           before > 0 ? fmt::format("{:.2f}", rate) : ""});

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "core/progress.hpp"
+#include "fem/element.hpp"
 #include "verify/figure.hpp"
 
 namespace palpate::verify {
@@ -36,6 +37,8 @@ struct VerifyOptions {
 [[nodiscard]] Section check_derivatives(const VerifyOptions& options);
 [[nodiscard]] Section check_patch(const VerifyOptions& options);
 [[nodiscard]] Section check_convergence(const VerifyOptions& options);
+/// [mm] root mean square error of the manufactured solution on a unit cube of cells^3 cells.
+[[nodiscard]] double displacement_error(fem::ElementOrder order, int cells);
 [[nodiscard]] Section check_bonded_layer(const VerifyOptions& options);
 [[nodiscard]] Section compare_getfem(const VerifyOptions& options, const Progress& progress);
 [[nodiscard]] Section compare_calculix(const VerifyOptions& options, const Progress& progress);

@@ -71,6 +71,9 @@ TEST(Process, GivesTheExitCodeAndTheLastLine) {
   EXPECT_EQ(r.exit_code, 3);
   EXPECT_EQ(r.last_line, "two");
   EXPECT_EQ(run({"-c", "kill -9 $$"}).exit_code, 137);
+  EXPECT_EQ(run_process("sh", {"-c", "echo dropped > litter"}, log, 10, 1, {}, "test").exit_code,
+            0);
+  EXPECT_TRUE(std::filesystem::exists(log.parent_path() / "litter"));
   EXPECT_FALSE(run_process("no-such-program", {}, log, 10, 1, {}, "test").found);
   EXPECT_TRUE(run_process("sleep", {"30"}, log, 0.1, 1, {}, "test").timed_out);
 }
