@@ -49,7 +49,9 @@ void Database::fail(int code) const {
     case SQLITE_IOERR:
     case SQLITE_READONLY:
     case SQLITE_CANTOPEN:
-      throw FileError(fmt::format("{}: cannot write the study: {}", path_.string(), why));
+      throw FileError(
+          fmt::format("{}: cannot write the study: {}; free some space or choose another folder",
+                      path_.string(), why));
     case SQLITE_NOMEM:
       throw std::bad_alloc();
     default:

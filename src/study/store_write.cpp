@@ -81,10 +81,13 @@ Store Store::create(const fs::path& path, const Study& study, Durability durabil
   const fs::path fresh = path.string() + ".new";
   std::error_code ignored;
   fs::remove(fresh, ignored);
-  {
+  try {
     Database db(fresh, Database::Mode::create);
     bring_up_to_date(db);
     write_study(db, study);
+  } catch (...) {  // a full disk, say: nothing half-made stays
+    fs::remove(fresh, ignored);
+    throw;
   }
   // A link, not a rename: it never replaces a file that came to be meanwhile.
   if (link(fresh.c_str(), path.c_str()) != 0) {

@@ -2,9 +2,11 @@
 // The study file: what goes in comes out, what is damaged is refused, what is deleted is gone.
 #include <gtest/gtest.h>
 #include <sqlite3.h>
+#include <sys/resource.h>
 #include <sys/wait.h>
 
 #include <cmath>
+#include <csignal>
 #include <fstream>
 
 #include "core/error.hpp"
@@ -191,6 +193,27 @@ TEST_F(StoreTest, AnAnswerIsGivenOnce) {
   a.value = "given";
   store.add_answer(session, 0, a);
   EXPECT_THROW(store.add_answer(session, 0, a), InputError);
+}
+
+// A limit on the size of files stands for the full disk; in a child, because it stays.
+TEST_F(StoreTest, AFullDiskLeavesNothingHalfMade) {
+  const pid_t child = fork();
+  if (child == 0) {
+    std::signal(SIGXFSZ, SIG_IGN);
+    const rlimit little{8192, 8192};
+    setrlimit(RLIMIT_FSIZE, &little);
+    try {
+      (void)Store::create(path_, study_);
+    } catch (const FileError& error) {
+      const std::string_view said = error.what();
+      _exit(said.find("free some space") != said.npos ? 0 : 2);
+    }
+    _exit(1);
+  }
+  int status = 0;
+  waitpid(child, &status, 0);
+  EXPECT_EQ(status, 0);
+  for (const auto& left : fs::directory_iterator(path_.parent_path())) ADD_FAILURE() << left.path();
 }
 
 TEST_F(StoreTest, ASecondRunnerIsRefusedAReaderIsNot) {
