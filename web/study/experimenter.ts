@@ -77,20 +77,23 @@ function showPeople(v: View): void {
   const state = JSON.stringify([v.people, v.current?.pseudonym]);
   if (state === people) return;
   people = state;
+  const focused = (document.activeElement as HTMLElement | null)?.dataset.button;
   byId("people").replaceChildren(...v.people.map((p) => {
     const buttons = make("td");
     if ((p.state === "enrolled" || p.state === "running") && v.current === null) {
-      const go = make("button", { type: "button" }, "Take up");
+      const go = make("button", { type: "button", "data-button": `take-up ${p.pseudonym}` }, "Take up");
       go.addEventListener("click", () => channel.send({ do: "take-up", who: p.pseudonym }));
       buttons.append(go, " ");
     }
     if (p.state !== "withdrawn") {
-      const drop = make("button", { type: "button", class: "danger" }, "Withdraw");
+      const drop = make("button", { type: "button", class: "danger", "data-button": `withdraw ${p.pseudonym}` }, "Withdraw");
       drop.addEventListener("click", () => askWithdraw(p.pseudonym));
       buttons.append(drop);
     }
     return make("tr", {}, make("td", {}, p.pseudonym), make("td", {}, p.state + (p.simulated ? " (simulated)" : "")), buttons);
   }));
+  // New rows must not take the keys from somebody who stands on a button of the old ones.
+  if (focused) document.querySelector<HTMLElement>(`[data-button="${focused}"]`)?.focus();
 }
 
 function askWithdraw(who: string): void {

@@ -39,17 +39,22 @@ let view: View | null = null;
 let shown = ""; // what the form was built for
 let value = ""; // of the answer being given
 let picture: Picture | null = null;
+let given: { number: number; value: string } | null = null; // the answer that no screen has followed yet
+let lost = false; // the connection, since the last view
 
 const channel = new Channel<View>("/study/participant", {
   view: show,
   frame: (numbers) => picture?.show(numbers),
   connected: (on) => {
+    lost ||= !on;
     byId("link").textContent = on ? "" : "connection lost, trying again";
   },
 });
 
-function answer(given: string): void {
-  if (view) channel.send({ number: view.number, value: given });
+function answer(what: string): void {
+  if (!view) return;
+  given = { number: view.number, value: what };
+  channel.send(given);
 }
 
 function button(text: string, key = "Enter"): HTMLButtonElement {
@@ -145,6 +150,10 @@ function build(v: View): void {
 
 function show(v: View): void {
   view = v;
+  // An answer given while the connection was away is given again; the program knows it by its number.
+  if (given && (v.number !== given.number || v.error)) given = null;
+  if (given && lost) channel.send(given);
+  lost = false;
   byId("simulated").hidden = !v.simulated;
   const wanted = `${v.kind} ${v.number} ${v.paused}`;
   if (wanted !== shown) build(v);

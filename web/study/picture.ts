@@ -12,6 +12,7 @@ export class Picture {
   private readonly tool: Mesh;
   private head: Mesh | null = null;
   private radius = 0;
+  private next: Float32Array | null = null; // to be drawn
 
   constructor(private readonly canvas: HTMLCanvasElement) {
     this.renderer = new WebGLRenderer({ canvas, antialias: true });
@@ -39,9 +40,18 @@ export class Picture {
     this.draw();
   }
 
-  /** Tool (3), user's axes in the head (9, columns), the place in the head (3), tool radius. */
-  show(n: Float32Array): void {
-    if (n.length !== 16 || !this.head) return;
+  /** Tool (3), user's axes in the head (9, columns), the place in the head (3), tool radius. Where
+   * they come faster than the page can draw, only the newest is drawn. */
+  show(numbers: Float32Array): void {
+    if (numbers.length !== 16) return;
+    if (!this.next) requestAnimationFrame(() => this.step());
+    this.next = numbers;
+  }
+
+  private step(): void {
+    const n = this.next;
+    this.next = null;
+    if (!n || !this.head) return;
     const x = new Vector3(n[3], n[4], n[5]);
     const y = new Vector3(n[6], n[7], n[8]);
     const z = new Vector3(n[9], n[10], n[11]);

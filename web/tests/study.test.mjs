@@ -188,11 +188,14 @@ test("the experimenter sees the region, pauses, and withdraws by keys", options,
   const second = story(from);
   assert.deepEqual(second.slice(0, firstStory.length).length, firstStory.length);
   assert.deepEqual(second, firstStory, "another order told another story");
+  const withdraw = experimenter.getByRole("row", { name: /P002/ }).getByRole("button", { name: "Withdraw" });
+  await withdraw.focus();
   await experimenter.keyboard.press("l");
-  await experimenter.getByRole("row", { name: /P002/ }).getByRole("button", { name: "Withdraw" }).focus();
+  await experimenter.waitForFunction(() => document.documentElement.dataset.current === "", null, { timeout: PATIENCE });
+  assert.ok(await withdraw.evaluate((button) => button === document.activeElement), "new rows took the focus away");
   await experimenter.keyboard.press("Enter");
-  await experimenter.getByRole("button", { name: "Delete" }).focus();
-  await experimenter.keyboard.press("Enter");
+  await experimenter.waitForFunction(() => document.getElementById("sure").open, null, { timeout: PATIENCE });
+  await experimenter.getByRole("button", { name: "Delete" }).press("Enter");
   await experimenter.waitForFunction(() => document.getElementById("people").textContent.includes("withdrawn"), null, { timeout: PATIENCE });
 });
 
