@@ -1,5 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Newton's method on all lanes in step. There is no energy in single precision that could judge a
+// Newton's method on all lanes in step, with the tissue's share of the Hessian kept for a while:
+// its factorisation is nine tenths of a full step, the contact's share, eliminated last, a
+// twentieth. There is no energy in single precision that could judge a
 // step near the solution, so the line search looks for the zero of the slope along the step
 // instead: a step is taken when the slope has lost at least half of its size and no element is
 // inverted.
@@ -28,7 +30,13 @@ constexpr float kInvertedCut = 0.4f;                        // [-] of a step tha
 constexpr int kMostCuts = 12;                               // then the lane has failed
 constexpr float kFirstShift = 0.3f;  // [-] of mu: about the loss of stiffness that is met
 constexpr float kShiftGrowth = 5;    // [-]
-constexpr int kMostShifts = 5;
+constexpr int kMostShifts = 6;
+// The tissue's part of the factor is taken anew for a load this many times that of the last one,
+// and after so many steps; the contact's part is new in every step. Newton keeps its pace: the
+// tissue changes little between loads, the contact much.
+constexpr float kTissueGrowth = 1.4f;
+constexpr int kTissueSteps = 8;
+constexpr int kMostStates = 3;  // that an extrapolation goes through, with the state of rest
 
 /// 64-byte aligned floats, kLanes per entry.
 class LaneArray {
@@ -85,8 +93,12 @@ struct BatchPress::Work {
   const Kernels& kernels;
   LaneArray tet_geometry, face_position, face_area, start, penalty;
   LaneArray factor, inverse_diagonal;
+  LaneArray x_tissue;              // state at which the factor's tissue was linearised
+  LaneArray tissue_on_contact;     // the contact's panels before the contact
+  alignas(64) LaneValues shift{};  // of the tissue's Hessian, in units of mu
+  float tissue_force = 0;          // load at which all lanes' tissue was linearised last
   LaneArray x, trial, gradient, trial_gradient, step;
-  std::array<std::vector<float>, 3> history;  // x of the last loads, newest last
+  std::array<std::vector<float>, kMostStates> history;  // x of the last loads, newest last
   BatchView batch{};
   std::vector<LaneCurve> lanes;
   std::array<bool, kLanes> alive{};  // has converged at every load so far
@@ -104,6 +116,8 @@ struct BatchPress::Work {
         penalty(1),
         factor(p.factor_entries),
         inverse_diagonal(p.unknowns),
+        x_tissue(p.unknowns + 3),
+        tissue_on_contact(p.factor_entries - p.contact_start()),
         x(p.unknowns + 3),
         trial(p.unknowns + 3),
         gradient(p.unknowns + 3),
@@ -111,6 +125,10 @@ struct BatchPress::Work {
         step(p.unknowns + 3) {}
 
   int travel_slot() const { return plan.unknowns - 1; }
+  float* contact_panels() { return &factor.at(plan.contact_start(), 0); }
+  std::int64_t contact_entries() const {
+    return (plan.factor_entries - plan.contact_start()) * kLanes;
+  }
   void set_geometry(std::span<const BatchPatch> patches, double radius);
   void set_lane_geometry(int lane, const BatchPatch& patch, double radius);
   void watch(std::span<const std::vector<std::int32_t>> groups);
@@ -120,7 +138,9 @@ struct BatchPress::Work {
   void extrapolate(std::span<const double> forces, std::size_t load, std::size_t use,
                    LaneArray& out);
   void predict(std::span<const double> forces, std::size_t load);
-  bool newton_step(const std::array<bool, kLanes>& active);
+  void linearise_tissue(int lane, float with_shift);
+  void factorize(const std::array<bool, kLanes>& active, bool tissue_too);
+  void newton_step(const std::array<bool, kLanes>& active);
   void solve_load(std::span<const double> forces, std::size_t load, const BatchOptions& options);
   void line_search(const std::array<bool, kLanes>& active, float force,
                    LaneValues& squared_pressure);
@@ -211,16 +231,20 @@ LaneValues BatchPress::Work::dot(LaneArray& a, LaneArray& b) {
   return out;
 }
 
+/// Polynomial through the last `use` states, that of rest at zero force included, in the root of
+/// the force: the travel of a sphere goes with F^(1/2) on a thin layer and F^(2/3) on a deep one.
 void BatchPress::Work::extrapolate(std::span<const double> forces, std::size_t load,
                                    std::size_t use, LaneArray& out) {
+  const auto at = [&](std::size_t back) {
+    return back > load ? 0.0 : std::sqrt(forces[load - back]);
+  };
   out.zero();
-  for (std::size_t i = 0; i < use; ++i) {
+  for (std::size_t i = 1; i <= use; ++i) {
     double weight = 1;
-    for (std::size_t j = 0; j < use; ++j)
-      if (j != i)
-        weight *=
-            (forces[load] - forces[load - 1 - j]) / (forces[load - 1 - i] - forces[load - 1 - j]);
-    const std::vector<float>& state = history[2 - i];
+    for (std::size_t j = 1; j <= use; ++j)
+      if (j != i) weight *= (at(0) - at(j)) / (at(i) - at(j));
+    if (i > load) continue;  // the state of rest
+    const std::vector<float>& state = history[history.size() - i];
     for (std::size_t k = 0; k < state.size(); ++k)
       out.data()[k] += static_cast<float>(weight) * state[k];
   }
@@ -230,7 +254,7 @@ void BatchPress::Work::extrapolate(std::span<const double> forces, std::size_t l
 void BatchPress::Work::predict(std::span<const double> forces, std::size_t load) {
   std::array<bool, kLanes> done{};
   LaneValues unused;
-  for (std::size_t use = std::min<std::size_t>(3, load); use > 1; --use) {
+  for (std::size_t use = std::min<std::size_t>(kMostStates, load + 1); use > 1; --use) {
     extrapolate(forces, load, use, trial);
     const LaneValues fine = evaluate(trial, trial_gradient, 0, unused);
     for (int l = 0; l < kLanes; ++l) {
@@ -241,18 +265,44 @@ void BatchPress::Work::predict(std::span<const double> forces, std::size_t load)
   }
 }
 
-/// step = -H^-1 gradient; frozen lanes get no step. False where an active lane has no positive
-/// definite Hessian even with the largest shift: that lane dies.
-bool BatchPress::Work::newton_step(const std::array<bool, kLanes>& active) {
-  alignas(64) LaneValues shift{}, positive{};
+void BatchPress::Work::linearise_tissue(int lane, float with_shift) {
+  shift[lane] = with_shift;
+  for (int i = 0; i < plan.unknowns; ++i) x_tissue.at(i, lane) = x.at(i, lane);
+}
+
+/// The factor: of the tissue at x_tissue (`tissue_too`: there it becomes x) and of the contact at
+/// x. Where a lane has no positive definite Hessian, first the contact loses its indefinite part,
+/// then the tissue gets a shift, at x; where the largest does not help either, the lane dies. What
+/// the other lanes get stays the same, bit by bit.
+void BatchPress::Work::factorize(const std::array<bool, kLanes>& active, bool tissue_too) {
+  alignas(64) LaneValues tissue_positive{}, positive{}, convex{};
+  if (tissue_too)
+    for (int l = 0; l < kLanes; ++l)
+      if (active[l]) linearise_tissue(l, 0);
   for (int attempt = 0; attempt <= kMostShifts; ++attempt) {
-    kernels.hessian(view, batch, x.data(), shift.data(), factor.data());
-    kernels.factorize(view, factor.data(), inverse_diagonal.data(), positive.data());
+    if (tissue_too) {
+      kernels.tissue_hessian(view, batch, x_tissue.data(), shift.data(), factor.data());
+      kernels.factorize_tissue(view, factor.data(), inverse_diagonal.data(),
+                               tissue_positive.data());
+      std::copy_n(contact_panels(), contact_entries(), tissue_on_contact.data());
+    } else {
+      std::copy_n(tissue_on_contact.data(), contact_entries(), contact_panels());
+      if (attempt == 0) tissue_positive.fill(1);
+    }
+    kernels.contact_hessian(view, batch, x.data(), convex.data(), factor.data());
+    kernels.factorize_contact(view, factor.data(), inverse_diagonal.data(), positive.data());
+    tissue_too = false;
     bool again = false;
     for (int l = 0; l < kLanes; ++l) {
+      positive[l] = std::min(positive[l], tissue_positive[l]);
       if (!active[l] || positive[l] > 0) continue;
-      shift[l] = shift[l] > 0 ? shift[l] * kShiftGrowth : kFirstShift;
       again = true;
+      if (tissue_positive[l] > 0 && convex[l] == 0) {
+        convex[l] = 1;
+        continue;
+      }
+      linearise_tissue(l, shift[l] > 0 ? shift[l] * kShiftGrowth : kFirstShift);
+      tissue_too = true;
     }
     if (!again) break;
   }
@@ -261,6 +311,10 @@ bool BatchPress::Work::newton_step(const std::array<bool, kLanes>& active) {
       lanes[l].shifts += shift[l] > 0;
       alive[l] = alive[l] && positive[l] > 0;
     }
+}
+
+/// step = -H^-1 gradient with the last factor; frozen lanes get no step.
+void BatchPress::Work::newton_step(const std::array<bool, kLanes>& active) {
   std::copy_n(gradient.data(), static_cast<std::size_t>(plan.unknowns) * kLanes, step.data());
   kernels.solve(view, factor.data(), inverse_diagonal.data(), step.data());
   for (int i = 0; i < plan.unknowns; ++i)
@@ -268,7 +322,6 @@ bool BatchPress::Work::newton_step(const std::array<bool, kLanes>& active) {
       float& s = step.at(i, l);
       s = active[l] && alive[l] ? -s : 0;
     }
-  return true;
 }
 
 void BatchPress::Work::line_search(const std::array<bool, kLanes>& active, float force,
@@ -307,6 +360,9 @@ void BatchPress::Work::line_search(const std::array<bool, kLanes>& active, float
 void BatchPress::Work::solve_load(std::span<const double> forces, std::size_t load,
                                   const BatchOptions& options) {
   const auto force = static_cast<float>(forces[load]);
+  // By the loads alone: what happens to one lane must not depend on the others.
+  const bool grown = force >= kTissueGrowth * tissue_force;
+  if (grown) tissue_force = force;
   LaneValues squared_pressure{};
   const LaneValues fine = evaluate(x, gradient, force, squared_pressure);
   for (int l = 0; l < kLanes; ++l) alive[l] = alive[l] && fine[l] > 0;
@@ -321,6 +377,7 @@ void BatchPress::Work::solve_load(std::span<const double> forces, std::size_t lo
     }
     if (!any_active || iteration == options.max_iterations) break;
     for (int l = 0; l < kLanes; ++l) lanes[l].iterations += active[l];
+    factorize(active, iteration == 0 ? grown : iteration % kTissueSteps == 0);
     newton_step(active);
     line_search(active, force, squared_pressure);
   }
@@ -345,16 +402,17 @@ std::vector<LaneCurve> BatchPress::press(std::span<const BatchPatch> patches, do
   w.lanes.assign(kLanes, {});
   w.alive.fill(true);
   for (int l = 0; l < kLanes; ++l) w.travel[l].clear(), w.squared[l].clear();
+  w.tissue_force = 0;
   w.x.zero();
   for (int l = 0; l < kLanes; ++l)
     w.x.at(w.travel_slot(), l) = static_cast<float>(options.first_guess);
   for (std::size_t load = 0; load < forces.size(); ++load) {
-    if (load > 1) w.predict(forces, load);
+    if (load > 0) w.predict(forces, load);
     w.solve_load(forces, load, options);
     w.watch(watched);
     std::rotate(w.history.begin(), w.history.begin() + 1, w.history.end());
-    w.history[2].assign(w.x.data(),
-                        w.x.data() + static_cast<std::size_t>(w.plan.unknowns) * kLanes);
+    w.history.back().assign(w.x.data(),
+                            w.x.data() + static_cast<std::size_t>(w.plan.unknowns) * kLanes);
   }
   w.lanes.resize(patches.size());
   for (std::size_t l = 0; l < patches.size(); ++l)

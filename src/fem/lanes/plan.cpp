@@ -30,10 +30,11 @@ Graph node_graph(const Topology& t) {
   return graph;
 }
 
-/// The travel couples with every node of the contact faces; eliminated last, its row reaches from
-/// the first such node through all later supernodes on its path: it is given to every panel.
-void make_panels(const Elimination& elimination, Plan& plan) {
+/// The travel couples with the nodes of the contact faces only; it has a row in their panels.
+/// @param first_contact  the first node in elimination order that lies on a contact face
+void make_panels(const Elimination& elimination, std::int32_t first_contact, Plan& plan) {
   for (const Supernode& s : elimination.supernodes) {
+    const bool contact = s.first >= first_contact;
     const int pieces = (s.count + kMostNodes - 1) / kMostNodes;
     for (int piece = 0; piece < pieces; ++piece) {
       const int from = s.count * piece / pieces, to = s.count * (piece + 1) / pieces;
@@ -44,11 +45,12 @@ void make_panels(const Elimination& elimination, Plan& plan) {
       for (int i = 3 * from; i < 3 * s.count; ++i) plan.row_index.push_back(3 * s.first + i);
       for (const std::int32_t node : s.below)
         for (int i = 0; i < 3; ++i) plan.row_index.push_back(3 * node + i);
-      plan.row_index.push_back(plan.unknowns - 1);
+      if (contact) plan.row_index.push_back(plan.unknowns - 1);
       p.rows = static_cast<std::int32_t>(plan.row_index.size()) - p.row_index;
       p.offset = plan.factor_entries;
       plan.factor_entries += static_cast<std::int64_t>(p.rows) * p.width;
       plan.panels.push_back(p);
+      if (!contact) plan.contact_panel = static_cast<std::int32_t>(plan.panels.size());
     }
   }
   Panel travel{};
@@ -78,8 +80,10 @@ void make_updates(Plan& plan) {
     const Panel& source = plan.panels[k];
     const std::int32_t* rows = &plan.row_index[source.row_index];
     const double w = source.width;
-    plan.factor_flops +=
+    const double flops =
         w * w * (source.rows - 2 * w / 3) + w * (source.rows - w) * (source.rows - w + 1);
+    plan.factor_flops += flops;
+    if (static_cast<std::int32_t>(k) >= plan.contact_panel) plan.contact_flops += flops;
     for (std::int32_t from = source.width; from < source.rows;) {
       const std::int32_t target = panel_of[rows[from]];
       Update u{static_cast<std::int32_t>(k), from, 0,
@@ -147,11 +151,16 @@ Plan make_plan(const Topology& t) {
     throw InputError("a batch needs quadratic elements and contact faces");
   Plan plan;
   plan.unknowns = t.unknowns();
-  const Elimination elimination = eliminate(node_graph(t));
+  std::vector<std::uint8_t> on_contact(t.free_nodes, 0);
+  for (const std::int32_t node : t.contact_faces)
+    if (t.free_node[node] >= 0) on_contact[t.free_node[node]] = 1;
+  const auto contact_nodes =
+      static_cast<std::int32_t>(std::count(on_contact.begin(), on_contact.end(), 1));
+  const Elimination elimination = eliminate(node_graph(t), on_contact);
   std::vector<std::int32_t> rank(t.free_nodes);
   for (int k = 0; k < t.free_nodes; ++k) rank[elimination.order[k]] = k;
   for (const std::int32_t f : t.free_node) plan.slot.push_back(f < 0 ? plan.unknowns : 3 * rank[f]);
-  make_panels(elimination, plan);
+  make_panels(elimination, t.free_nodes - contact_nodes, plan);
   for (const Panel& p : plan.panels)
     if (p.rows > kMostRows) throw InputError("the patch is too fine for the batch solver");
   make_updates(plan);
@@ -169,6 +178,7 @@ PlanView Plan::view() const {
   v.unknowns = unknowns;
   v.factor_entries = factor_entries;
   v.panels = panels.data();
+  v.contact_panel = contact_panel;
   v.panel_count = static_cast<std::int32_t>(panels.size());
   v.updates = updates.data();
   v.row_index = row_index.data();

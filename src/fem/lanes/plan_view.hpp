@@ -41,6 +41,7 @@ struct PlanView {
   std::int64_t factor_entries;
   const Panel* panels;
   std::int32_t panel_count;
+  std::int32_t contact_panel;  ///< the first one that the contact adds to; all later ones are such
   const Update* updates;
   const std::int32_t* row_index;
   const std::int32_t* position;
@@ -75,12 +76,21 @@ struct Kernels {
   /// squared_pressure: integral of p^2 over the contact [N^2/mm^2].
   void (*gradient)(const PlanView&, const BatchView&, const float* x, float* gradient,
                    float* admissible, float* squared_pressure);
-  /// Hessian into the cleared factor; `shift` [-] >= 0 adds shift * mu to the tangent's diagonal
-  /// and, where > 0, drops the contact's indefinite part.
-  void (*hessian)(const PlanView&, const BatchView&, const float* x, const float* shift,
-                  float* factor);
-  /// In place; inverse_diagonal has `unknowns` entries; positive: 1, or 0 where a pivot is not.
-  void (*factorize)(const PlanView&, float* factor, float* inverse_diagonal, float* positive);
+  /// Tissue's Hessian into the cleared factor; `shift` [-] >= 0 adds shift * mu to the tangent's
+  /// diagonal.
+  void (*tissue_hessian)(const PlanView&, const BatchView&, const float* x, const float* shift,
+                         float* factor);
+  /// Adds the contact's Hessian; without its indefinite part where `shift` > 0.
+  void (*contact_hessian)(const PlanView&, const BatchView&, const float* x, const float* shift,
+                          float* factor);
+  /// Factorises the panels before the contact's in place and takes their products from the
+  /// contact's, which then hold what the tissue adds there. inverse_diagonal has `unknowns`
+  /// entries; positive: 1, or 0 where a pivot is not.
+  void (*factorize_tissue)(const PlanView&, float* factor, float* inverse_diagonal,
+                           float* positive);
+  /// Factorises the contact's panels in place.
+  void (*factorize_contact)(const PlanView&, float* factor, float* inverse_diagonal,
+                            float* positive);
   /// In place on the right side.
   void (*solve)(const PlanView&, const float* factor, const float* inverse_diagonal, float* b);
 };

@@ -36,6 +36,27 @@ std::vector<std::int32_t> nested_dissection(const Graph& graph) {
   return order;
 }
 
+/// Nested dissection of the nodes that are not last, then those.
+std::vector<std::int32_t> order_with_last(const Graph& graph,
+                                          const std::vector<std::uint8_t>& last) {
+  const auto n = static_cast<std::int32_t>(graph.size());
+  std::vector<std::int32_t> number(n, -1), first;
+  for (std::int32_t i = 0; i < n; ++i)
+    if (!last[i]) {
+      number[i] = static_cast<std::int32_t>(first.size());
+      first.push_back(i);
+    }
+  Graph inner(first.size());
+  for (std::size_t i = 0; i < first.size(); ++i)
+    for (const std::int32_t neighbour : graph[first[i]])
+      if (number[neighbour] >= 0) inner[i].push_back(number[neighbour]);
+  std::vector<std::int32_t> order;
+  for (const std::int32_t i : nested_dissection(inner)) order.push_back(first[i]);
+  for (std::int32_t i = 0; i < n; ++i)
+    if (last[i]) order.push_back(i);
+  return order;
+}
+
 /// Later neighbours of each node in elimination order, fill included.
 std::vector<std::vector<std::int32_t>> column_structures(const Graph& graph,
                                                          const std::vector<std::int32_t>& order) {
@@ -70,8 +91,8 @@ double entries(double count, double below) {
 
 }  // namespace
 
-Elimination eliminate(const Graph& graph) {
-  Elimination out{nested_dissection(graph), {}};
+Elimination eliminate(const Graph& graph, const std::vector<std::uint8_t>& last) {
+  Elimination out{order_with_last(graph, last), {}};
   const auto below = column_structures(graph, out.order);
   std::vector<double> nonzeros;  // true entries in each supernode
   for (std::int32_t k = 0; k < static_cast<std::int32_t>(below.size()); ++k) {
@@ -82,7 +103,8 @@ Elimination eliminate(const Graph& graph) {
       Supernode& parent = out.supernodes.back();
       Supernode& child = out.supernodes[out.supernodes.size() - 2];
       if (child.below.empty() || child.below.front() != parent.first ||
-          child.first + child.count != parent.first)
+          child.first + child.count != parent.first ||
+          last[out.order[child.first]] != last[out.order[parent.first]])
         break;
       const int count = child.count + parent.count;
       const double full = entries(count, static_cast<double>(parent.below.size()));

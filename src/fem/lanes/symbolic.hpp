@@ -20,6 +20,8 @@ struct Elimination {
 };
 /// Nested dissection, postordered; chains of parents and children are merged as long as few zeros
 /// come in.
-[[nodiscard]] Elimination eliminate(const Graph& graph);
+/// @param last  one per node: non-zero for those that are eliminated after all others, in
+///              supernodes of their own
+[[nodiscard]] Elimination eliminate(const Graph& graph, const std::vector<std::uint8_t>& last);
 
 }  // namespace palpate::fem::lanes
