@@ -11,6 +11,7 @@
 #include <thread>
 
 #include "haptics/loop.hpp"
+#include "haptics/realtime.hpp"
 #include "haptics/simulated_hand.hpp"
 #include "touch_figures.hpp"
 
@@ -74,6 +75,43 @@ class LiveReader {
   std::thread server_, client_;
 };
 
+/// A thread that does nothing but sleep to the same deadlines, half a period apart: what the
+/// machine makes late, whatever the loop does.
+class BareSleeper {
+ public:
+  explicit BareSleeper(int priority) : thread_([this, priority] { run(priority); }) {}
+  ~BareSleeper() { stop(); }
+  BareSleeper(const BareSleeper&) = delete;
+  BareSleeper& operator=(const BareSleeper&) = delete;
+  void stop() {
+    stop_ = true;
+    if (thread_.joinable()) thread_.join();
+  }
+  [[nodiscard]] const DurationHistogram& lateness() const { return lateness_; }
+  [[nodiscard]] double late_above_1ms() const {
+    return static_cast<double>(late_) / static_cast<double>(lateness_.total());
+  }
+
+ private:
+  void run(int priority) {
+    constexpr std::int64_t kPeriod = 1'000'000;  // [ns]
+    if (priority > 0) (void)ask_for_realtime(priority);
+    sharpen_timer();
+    std::int64_t deadline = monotonic_ns() + 3 * kPeriod / 2;
+    while (!stop_) {
+      sleep_until_ns(deadline);
+      const std::int64_t now = monotonic_ns();
+      lateness_.add(now - deadline);
+      late_ += now - deadline > kPeriod;
+      for (deadline += kPeriod; deadline <= now;) deadline += kPeriod;
+    }
+  }
+  DurationHistogram lateness_;
+  std::uint64_t late_ = 0;
+  std::atomic<bool> stop_{false};
+  std::thread thread_;
+};
+
 void print_histogram(const DurationHistogram& histogram, Table& table) {
   constexpr int kOctave = 8;  // buckets
   for (int i = 0; i + kOctave < DurationHistogram::kBuckets; i += kOctave) {
@@ -103,11 +141,13 @@ void keep_time(const TouchScene& scene, int seconds, int priority, Table& table)
   TouchLoop loop(cycle, options);
   std::uint64_t bytes = 0;
   loop.start();
+  BareSleeper bare(priority);
   {
     LiveReader reader(cycle);
     std::this_thread::sleep_for(std::chrono::seconds(seconds));
     bytes = reader.bytes();
   }
+  bare.stop();
   loop.stop();
   recorder.finish();
   std::filesystem::remove(file);
@@ -126,6 +166,11 @@ void keep_time(const TouchScene& scene, int seconds, int priority, Table& table)
                         r.tick_median_us, r.tick_p999_us, r.tick_longest_us, r.skipped,
                         bytes / 1024, recorder.written(), recorder.dropped()),
             r.late_above_1ms <= 1e-3);
+  table.note(
+      fmt::format("  a thread that only sleeps, beside it: {:.3f} % late by > 1 ms; median "
+                  "{:.0f}  99.9 % {:.0f}  longest {:.0f} us",
+                  100 * bare.late_above_1ms(), bare.lateness().quantile_us(0.5),
+                  bare.lateness().quantile_us(0.999), bare.lateness().longest_us()));
   for (const std::string& warning : r.warnings) table.note(warning);
   print_histogram(loop.lateness(), table);
 }
