@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Cost of the sweep on the bundled head: CPU seconds per site of exact and coarse presses for
 // several numbers of sites (is it linear?), what 10 000 sites cost at that rate, peak memory; with
-// `bench_head --full-mesh N` also the same presses at N sites on the whole head's tetrahedra, in
-// double precision, for scale. `bench_head --sites 200,400,800 --radius 5` sets what is measured.
+// `--full-mesh N` also the same presses at N sites on the whole head's tetrahedra, in double
+// precision, for scale. `bench_head --help` says what can be set.
 #include <fmt/format.h>
 #include <sys/resource.h>
 
-#include <cstring>
-#include <sstream>
+#include <CLI/CLI.hpp>
 
 #include "apps/pipeline.hpp"
 #include "fem/press.hpp"
@@ -34,22 +33,12 @@ double peak_gib() {
 }
 
 struct Wishes {
+  std::string head = fmt::format("{}/data/head.ply", PALPATE_SOURCE_DIR);
   std::vector<int> sites = {200, 400, 800};
   double radius = 8;
   int full_mesh = 0;
+  bool coarse_only = false;
 };
-Wishes read_wishes(int argc, char** argv) {
-  Wishes w;
-  for (int i = 1; i + 1 < argc; i += 2) {
-    if (std::strcmp(argv[i], "--full-mesh") == 0) w.full_mesh = std::atoi(argv[i + 1]);
-    if (std::strcmp(argv[i], "--radius") == 0) w.radius = std::atof(argv[i + 1]);
-    if (std::strcmp(argv[i], "--sites") != 0) continue;
-    w.sites.clear();
-    std::istringstream list(argv[i + 1]);
-    for (std::string word; std::getline(list, word, ',');) w.sites.push_back(std::stoi(word));
-  }
-  return w;
-}
 
 /// CPU seconds of one press with ten loads on the whole head, linear elements, all unknowns.
 double press_whole_head(const Ground& ground, const TissueMesh& tissue, std::int32_t site) {
@@ -89,14 +78,24 @@ double press_whole_head(const Ground& ground, const TissueMesh& tissue, std::int
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Wishes wishes = read_wishes(argc, argv);
+  Wishes wishes;
+  CLI::App program("cost of the sweep: CPU seconds per site, linearity, memory");
+  program.add_option("--head", wishes.head, "scan to sweep; the bundled head")
+      ->check(CLI::ExistingFile);
+  program.add_option("--sites", wishes.sites, "numbers of sites, ascending; 200,400,800")
+      ->delimiter(',');
+  program.add_option("--radius", wishes.radius, "of the tool [mm]; 8")
+      ->check(CLI::Range(1.0, 30.0));
+  program.add_option("--full-mesh", wishes.full_mesh,
+                     "also press this many sites on the whole head's mesh, minutes each; 0");
+  program.add_flag("--coarse", wishes.coarse_only, "only the coarse presses of the fast mode");
+  CLI11_PARSE(program, argc, argv);
   const Progress silent;
   app::PipelineOptions options;
   options.sweep.mode = SweepMode::exact;
   options.sweep.tool_radius = wishes.radius;
   app::StageClock clock(silent);
-  const auto scan = app::prepare_scan(fmt::format("{}/data/head.ply", PALPATE_SOURCE_DIR), options,
-                                      silent, clock);
+  const auto scan = app::prepare_scan(wishes.head, options, silent, clock);
   const auto located = app::locate_head(scan, options, silent, clock);
   const SkullFit skull = app::make_skull(located, options, silent, clock);
   const Ground ground(located.head, skull, {located.points, located.region}, options.sweep, silent);
@@ -108,7 +107,8 @@ int main(int argc, char** argv) {
              located.points.size(), tissue.size(), wishes.radius, ground.forces.size());
 
   double per_site[2] = {0, 0};
-  for (const SolveLevel level : {SolveLevel::coarse, SolveLevel::full})
+  for (const SolveLevel level : {SolveLevel::coarse, SolveLevel::full}) {
+    if (wishes.coarse_only && level == SolveLevel::full) continue;
     for (const int count : wishes.sites) {
       std::vector<std::int32_t> sites;  // evenly over the head's own order
       for (int i = 0; i < count; ++i)
@@ -131,6 +131,8 @@ int main(int argc, char** argv) {
           level == SolveLevel::full ? "exact" : "coarse", count, seconds, 1e3 * seconds / count,
           steps / count, in_double, failed, peak_gib());
     }
+  }
+  if (wishes.coarse_only) return 0;
   const double exact = 1e4 * per_site[1], fast = 1e4 * per_site[0] + 300 * per_site[1];
   fmt::print(
       "10 000 sites at these rates, two cores without other load: exact {:.1f} min, fast {:.1f} "

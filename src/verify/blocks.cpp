@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "verify/blocks.hpp"
 
+#include <fmt/format.h>
+#include <sys/resource.h>
+
 #include <cmath>
 #include <random>
 
@@ -56,6 +59,22 @@ Eigen::VectorXd times(const fem::SparsePattern& p, const std::vector<double>& va
       if (p.row[i] != c) y[c] += values[i] * x[p.row[i]];
     }
   return y;
+}
+
+CpuSeconds CpuSeconds::now() {
+  const auto of = [](int who) {
+    rusage u{};
+    getrusage(who, &u);
+    return static_cast<double>(u.ru_utime.tv_sec + u.ru_stime.tv_sec) +
+           1e-6 * static_cast<double>(u.ru_utime.tv_usec + u.ru_stime.tv_usec);
+  };
+  return {of(RUSAGE_SELF), of(RUSAGE_CHILDREN)};
+}
+
+std::string CpuSeconds::since(const std::string& other) const {
+  const CpuSeconds end = now();
+  return fmt::format("{} {:.1f} CPU s, ours {:.1f}", other, end.children - children,
+                     end.ours - ours);
 }
 
 }  // namespace palpate::verify

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Small scenes and figures that several sections share.
 #pragma once
+#include <string>
+
 #include "fem/elastic_body.hpp"
 
 namespace palpate::verify {
@@ -19,5 +21,13 @@ void shake(fem::TetMesh& mesh, double share, std::uint64_t seed);
 /// Symmetric matrix, given by its lower triangle, times a vector.
 [[nodiscard]] Eigen::VectorXd times(const fem::SparsePattern& pattern,
                                     const std::vector<double>& values, const Eigen::VectorXd& x);
+
+/// CPU seconds so far, of this process and of those that it started and waited for.
+struct CpuSeconds {
+  double ours = 0, children = 0;
+  [[nodiscard]] static CpuSeconds now();
+  /// "GetFEM 4.1 CPU s, ours 0.3", from what was spent since `this`.
+  [[nodiscard]] std::string since(const std::string& other) const;
+};
 
 }  // namespace palpate::verify
