@@ -31,6 +31,7 @@ constexpr int kMostCuts = 12;                               // then the lane has
 constexpr float kFirstShift = 0.3f;  // [-] of mu: about the loss of stiffness that is met
 constexpr float kShiftGrowth = 5;    // [-]
 constexpr int kMostShifts = 6;
+constexpr float kTravelStiffness = 2;  // [1/mm] of the load: half a millimetre back to the skin
 // The tissue's part of the factor is taken anew for a load this many times that of the last one,
 // and after so many steps; the contact's part is new in every step. Newton keeps its pace: the
 // tissue changes little between loads, the contact much.
@@ -139,7 +140,7 @@ struct BatchPress::Work {
                    LaneArray& out);
   void predict(std::span<const double> forces, std::size_t load);
   void linearise_tissue(int lane, float with_shift);
-  void factorize(const std::array<bool, kLanes>& active, bool tissue_too);
+  void factorize(const std::array<bool, kLanes>& active, float force, bool tissue_too);
   void newton_step(const std::array<bool, kLanes>& active);
   void solve_load(std::span<const double> forces, std::size_t load, const BatchOptions& options);
   void line_search(const std::array<bool, kLanes>& active, float force,
@@ -274,7 +275,8 @@ void BatchPress::Work::linearise_tissue(int lane, float with_shift) {
 /// x. Where a lane has no positive definite Hessian, first the contact loses its indefinite part,
 /// then the tissue gets a shift, at x; where the largest does not help either, the lane dies. What
 /// the other lanes get stays the same, bit by bit.
-void BatchPress::Work::factorize(const std::array<bool, kLanes>& active, bool tissue_too) {
+void BatchPress::Work::factorize(const std::array<bool, kLanes>& active, float force,
+                                 bool tissue_too) {
   alignas(64) LaneValues tissue_positive{}, positive{}, convex{};
   if (tissue_too)
     for (int l = 0; l < kLanes; ++l)
@@ -298,7 +300,7 @@ void BatchPress::Work::factorize(const std::array<bool, kLanes>& active, bool ti
       if (!active[l] || positive[l] > 0) continue;
       again = true;
       if (tissue_positive[l] > 0 && convex[l] == 0) {
-        convex[l] = 1;
+        convex[l] = kTravelStiffness * force;
         continue;
       }
       linearise_tissue(l, shift[l] > 0 ? shift[l] * kShiftGrowth : kFirstShift);
@@ -377,7 +379,7 @@ void BatchPress::Work::solve_load(std::span<const double> forces, std::size_t lo
     }
     if (!any_active || iteration == options.max_iterations) break;
     for (int l = 0; l < kLanes; ++l) lanes[l].iterations += active[l];
-    factorize(active, iteration == 0 ? grown : iteration % kTissueSteps == 0);
+    factorize(active, force, iteration == 0 ? grown : iteration % kTissueSteps == 0);
     newton_step(active);
     line_search(active, force, squared_pressure);
   }

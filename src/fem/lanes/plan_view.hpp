@@ -80,8 +80,9 @@ struct Kernels {
   /// diagonal.
   void (*tissue_hessian)(const PlanView&, const BatchView&, const float* x, const float* shift,
                          float* factor);
-  /// Adds the contact's Hessian; without its indefinite part where `shift` > 0.
-  void (*contact_hessian)(const PlanView&, const BatchView&, const float* x, const float* shift,
+  /// Adds the contact's Hessian. Where `convex` [N/mm] > 0, without its indefinite part and with
+  /// that stiffness on the travel, so that a tool that has lost the skin finds it again.
+  void (*contact_hessian)(const PlanView&, const BatchView&, const float* x, const float* convex,
                           float* factor);
   /// Factorises the panels before the contact's in place and takes their products from the
   /// contact's, which then hold what the tissue adds there. inverse_diagonal has `unknowns`
