@@ -1,9 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The fit and its error bars alone, without a sweep: in seconds, where a touchable head takes
-// minutes. `bench_fit SCAN.. [--skull TRUE.ply] [--leave-out x0,x1,y0,y1,z0,z1].. [--out SKULL.ply]`
-// prints per scan what the fit reports of itself and the stated SD of depth under the working
-// skin's points, by region; with a true skull of the (one) scan also the error of depth, the share
-// of true depths within two stated SDs, and the error beside the best constant depth over the face.
+// minutes. `bench_fit SCAN.. [--skull TRUE.ply] [--leave-out x0,x1,y0,y1,z0,z1].. [--out
+// SKULL.ply]` prints per scan what the fit reports of itself and the stated SD of depth under the
+// working skin's points, by region; with a true skull of the (one) scan also the error of depth,
+// the share of true depths within two stated SDs, and the error beside the best constant depth over
+// the face.
 #include <fmt/format.h>
 
 #include <cmath>
@@ -66,8 +67,7 @@ TouchableHead depth_only(const app::PreparedScan& scan, const app::LocatedHead& 
   map.status.assign(n, VertexStatus::held);
   map.region = located.head.region;
   map.depth.assign(n, nan);
-  const std::vector<Vec3> normal =
-      stiffness::smoothed_normals(located.head.skin, map.tool_radius);
+  const std::vector<Vec3> normal = stiffness::smoothed_normals(located.head.skin, map.tool_radius);
   const surface::SurfaceQuery bone(skull.mesh);
   for (std::size_t v = 0; v < n; ++v)
     if (!located.head.filled[v])
@@ -98,14 +98,16 @@ void print_stated(const TouchableHead& head) {
 
 void print_against(const report::Comparison& c) {
   for (const report::RegionComparison& r : c.regions)
-    fmt::print("  {:<10} n {:6d}  depth error {:5.2f} mm, median bias {:+5.2f}, within 2 SD {:5.1f} "
-               "%, stated SD {:4.2f}\n",
-               name(r.region), r.vertices, r.depth_error, r.depth_bias, 100 * r.within_two_sd,
-               r.stated_sd);
-  fmt::print("  all: depth error {:.2f} mm, within 2 SD {:.1f} %, stated SD {:.2f} mm; face {:.2f} "
-             "mm against {:.2f} mm of the best constant: {:.0f} % smaller\n",
-             c.all.depth_error, 100 * c.all.within_two_sd, c.all.stated_sd, c.face_error,
-             c.face_constant_error, 100 * (1 - c.face_error / c.face_constant_error));
+    fmt::print(
+        "  {:<10} n {:6d}  depth error {:5.2f} mm, median bias {:+5.2f}, within 2 SD {:5.1f} "
+        "%, stated SD {:4.2f}\n",
+        name(r.region), r.vertices, r.depth_error, r.depth_bias, 100 * r.within_two_sd,
+        r.stated_sd);
+  fmt::print(
+      "  all: depth error {:.2f} mm, within 2 SD {:.1f} %, stated SD {:.2f} mm; face {:.2f} "
+      "mm against {:.2f} mm of the best constant: {:.0f} % smaller\n",
+      c.all.depth_error, 100 * c.all.within_two_sd, c.all.stated_sd, c.face_error,
+      c.face_constant_error, 100 * (1 - c.face_error / c.face_constant_error));
 }
 
 void measure(const std::string& path, const Wishes& wishes) {
@@ -116,11 +118,12 @@ void measure(const std::string& path, const Wishes& wishes) {
   const auto located = app::locate_head(scan, options, silent, clock);
   const SkullFit fitted = app::make_skull(located, options, silent, clock);
   const auto& s = fitted.statistics;
-  fmt::print("{}: within 1.5 SD {:.2f}, outside {}, least clearance {:.2f} mm, self-intersections "
-             "{}, least Jacobian {:.2f}, SD of the bone {:.2f} mm; fit {:.1f} s\n",
-             path, s.at("depth_rows_within_1.5_sd"), s.at("outside_count"),
-             s.at("min_clearance_mm"), s.at("self_intersections"), s.at("least_jacobian"),
-             s.at("spread_mean_mm"), clock.seconds().at("skull"));
+  fmt::print(
+      "{}: within 1.5 SD {:.2f}, outside {}, least clearance {:.2f} mm, self-intersections "
+      "{}, least Jacobian {:.2f}, SD of the bone {:.2f} mm; fit {:.1f} s\n",
+      path, s.at("depth_rows_within_1.5_sd"), s.at("outside_count"), s.at("min_clearance_mm"),
+      s.at("self_intersections"), s.at("least_jacobian"), s.at("spread_mean_mm"),
+      clock.seconds().at("skull"));
   const TouchableHead estimated = depth_only(scan, located, fitted, options);
   if (!wishes.out.empty()) io::write_surface(wishes.out, estimated.skull);
   print_stated(estimated);

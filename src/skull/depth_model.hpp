@@ -12,7 +12,6 @@ struct DepthModelOptions {
   double range = 30;    ///< [mm] over which depths of neighbouring landmarks resemble each other
   double spread = 5;    ///< [mm] how much the mean depth varies from place to place
   double nugget = 0.5;  ///< [mm] rounding of the table
-  double unknown_sd = 2.5;  ///< [mm] for landmarks whose source gives no SD: the table's median
 };
 
 struct LandmarkTarget {
@@ -32,6 +31,10 @@ struct DepthModel {
 /// Row of the table for a landmark's code with or without side; null where the table has none.
 [[nodiscard]] const TissueDepth* find_depth(const std::vector<TissueDepth>& table,
                                             const std::string& code);
+
+/// [-] SD between individuals over mean depth: the median of the table's rows that have both; 0.3
+/// where none has. Where flesh is thin people differ by little, where it is thick by much.
+[[nodiscard]] double typical_variation(const std::vector<TissueDepth>& table);
 
 /// Interpolates the table over the template by kriging with a drift (docs/method/fit.md).
 /// @throws InputError  the template carries no landmark of the table

@@ -89,7 +89,7 @@ std::vector<FitPoint> make_fit_points(const HeadSurface& head, const SkullTempla
     p.mean = model.mean[r.vertex];
     p.sd = model.sd[r.vertex];
     p.weight = floor_of_orbit ? 0 : r.seen_area / o.patch_area;
-    p.limit_weight = o.sampling * o.sampling / o.patch_area;
+    p.limit_weight = o.sampling * o.sampling / o.limit_area;
     points.push_back(p);
   }
   for (const LandmarkTarget& l : model.landmarks) {

@@ -32,7 +32,11 @@ struct DepthFitOptions {
   double strain_sd = 0.05;  ///< [-] spread of head proportions around one scale (affine stage)
   double shear_sd = 0.02;   ///< [-] spread of shear
   double sampling = 5;      ///< [mm] grid of the bone points that are looked at
-  double patch_area = 400;  ///< [mm^2] of bone that counts as one independent observation
+  /// [mm^2] of bone that counts as one independent observation: pi range^2, the integral of the
+  /// squared correlation exp(-r^2 / range^2) of the individual's depth field (range 30 mm, the
+  /// same as in its spread). Less trusts the interpolation between landmarks too much
+  double patch_area = 2830;
+  double limit_area = 400;     ///< [mm^2] of bone whose clearance counts once; the less the firmer
   double landmark_weight = 1;  ///< [-] observations per landmark of the table
   double registration_sd = 4;  ///< [mm] spread of eye corners, alae and nose tip against bone
   double ear_sd = 6;    ///< [mm] spread of the auricle's centre against the porion, up and back

@@ -6,6 +6,7 @@
 #include "skull/spread.hpp"
 
 #include <cmath>
+#include <map>
 #include <numbers>
 #include <random>
 
@@ -41,6 +42,36 @@ double field_at(const std::vector<Wave>& waves, const Vec3& x) {
   return std::sqrt(2.0 / static_cast<double>(waves.size())) * sum;
 }
 
+/// Variance [mm^2] of the map along the way to the skin at each point: a^T H^-1 a with a the
+/// point's shares of the control points times the way. Points of one lattice cell share their 192
+/// rows.
+std::vector<double> map_variance(const Eigen::LLT<Eigen::MatrixXd>& factor, const SkullMap& map,
+                                 const std::vector<SplineWeights>& weights,
+                                 const std::vector<SkinDepth>& depth) {
+  const int controls = map.lattice.size();
+  const Eigen::MatrixXd covariance =
+      factor.solve(Eigen::MatrixXd::Identity(3 * controls, 3 * controls));
+  std::map<std::int32_t, std::vector<std::size_t>> cells;
+  for (std::size_t v = 0; v < weights.size(); ++v) cells[weights[v].control[0]].push_back(v);
+  std::vector<double> variance(weights.size());
+  for (const auto& [first, members] : cells) {
+    const auto& control = weights[members.front()].control;
+    Eigen::MatrixXd block(192, 192), along(192, members.size());
+    for (int q = 0; q < 192; ++q)
+      for (int r = 0; r < 192; ++r)
+        block(r, q) =
+            covariance(r / 64 * controls + control[r % 64], q / 64 * controls + control[q % 64]);
+    for (std::size_t i = 0; i < members.size(); ++i) {
+      const Vec3 way = map.linear.transpose() * depth[members[i]].gradient;
+      for (int r = 0; r < 192; ++r) along(r, i) = weights[members[i]].share[r % 64] * way[r / 64];
+    }
+    const Eigen::MatrixXd spread = block * along;
+    for (std::size_t i = 0; i < members.size(); ++i)
+      variance[members[i]] = along.col(i).dot(spread.col(i));
+  }
+  return variance;
+}
+
 }  // namespace
 
 SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fitted,
@@ -56,7 +87,13 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
     weights.push_back(solved.map.lattice.weights(skull.mesh.points[v]));
     depth.push_back(skin.at(fitted[v]));
   }
-  SkullSpread out{std::vector<double>(n, 0.0), {}};
+  const std::vector<double> of_map = map_variance(factor, solved.map, weights, depth);
+  std::vector<double> own(n);  // what the map does not show of the table's whole spread
+  SkullSpread out{std::vector<double>(n), {}};
+  for (std::size_t v = 0; v < n; ++v) {
+    own[v] = std::sqrt(std::max(0.0, model.sd[v] * model.sd[v] - of_map[v]));
+    out.deviation[v] = std::hypot(std::sqrt(of_map[v]), own[v]);
+  }
   Normals normal(options.seed);
   const int controls = solved.map.lattice.size();
   for (int k = 0; k < options.draws; ++k) {
@@ -75,16 +112,13 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
       for (int c = 0; c < 64; ++c)
         u += weights[v].share[c] * control.row(weights[v].control[c]).transpose();
       const Vec3 moved = solved.map.linear * u, &inward = depth[v].gradient;
-      out.deviation[v] += std::pow(inward.dot(moved), 2) / options.draws;
-      const double own = model.sd[v] * field_at(waves, skull.mesh.points[v]);
+      const double along = inward.dot(moved);
       const double up = std::min(0.0, options.least_depth - depth[v].depth);  // as far as it may go
-      const double wanted = inward.dot(moved) + own;
-      offset[v] = moved + (std::max(wanted, up) - inward.dot(moved)) * inward;
+      const double wanted = along + own[v] * field_at(waves, skull.mesh.points[v]);
+      offset[v] = moved + (std::max(wanted, up) - along) * inward;
     }
     out.offset.push_back(std::move(offset));
   }
-  for (std::size_t v = 0; v < n; ++v)
-    out.deviation[v] = std::sqrt(out.deviation[v] + model.sd[v] * model.sd[v]);
   return out;
 }
 

@@ -19,10 +19,12 @@ struct SkullSpread {
   std::vector<std::vector<Vec3>> offset;  ///< [mm] per draw and template point, head frame
 };
 
-/// Two independent parts. The map's own doubt: Gauss-Newton's linearisation of the posterior, whose
-/// prior is the table's depths with their SDs, the spline's bending and its symmetry. And what no
-/// face shows: how an individual's bone differs from the map's, a Gaussian field whose spread is
-/// the depth model's (individuals' SDs of the table, and the doubt of interpolating them).
+/// The table's SD is the whole spread of depth between individuals (with the doubt of interpolating
+/// it), and two things make it up. The map's own doubt: Gauss-Newton's linearisation of the
+/// posterior, whose prior is the table's depths with their SDs, the spline's bending and its
+/// symmetry. And what a smooth map cannot show: how an individual's bone differs from it, a
+/// Gaussian field that brings the variance along the way to the skin up to the table's. Where the
+/// map itself is less sure than the table (no data near), its doubt stands alone.
 /// @param fitted  the template's points under `solved.map`, head frame [mm]
 /// @note Deterministic. One Cholesky factorisation and `draws` back substitutions.
 [[nodiscard]] SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fitted,

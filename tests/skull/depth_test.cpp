@@ -94,6 +94,42 @@ TEST(DepthModel, MeetsTheTableAtItsLandmarksAndDoubtsGrowAway) {
   EXPECT_GT(model.sd[far], 4.5);
 }
 
+TEST(DepthModel, TypicalVariationIsTheTablesMedian) {
+  std::vector<TissueDepth> table = even_table(10);
+  for (std::size_t i = 0; i < table.size(); ++i) table[i].sd_mm = i < 2 ? 0 : 1.0 + i;
+  std::vector<double> shares;
+  for (const TissueDepth& row : table)
+    if (row.sd_mm > 0) shares.push_back(row.sd_mm / row.mean_mm);
+  EXPECT_DOUBLE_EQ(typical_variation(table), shares[shares.size() / 2]);
+  for (TissueDepth& row : table) row.sd_mm = 0;
+  EXPECT_GT(typical_variation(table), 0);
+}
+
+TEST(DepthModel, TheLevelOfTheVaultComesFromTheTable) {
+  // Every landmark of a smooth vault says the same: so does every place between and beyond them.
+  SkullTemplate skull = egg_template(kAxes);
+  std::fill(skull.region.begin(), skull.region.end(), SkullRegion::cranium);
+  for (const double depth : {4.0, 9.0}) {
+    const DepthModel model = make_depth_model(skull, even_table(depth));
+    for (std::size_t i = 0; i < model.mean.size(); i += 20)
+      EXPECT_NEAR(model.mean[i], depth, 0.3) << i;
+  }
+}
+
+TEST(DepthModel, PeopleDifferMoreWhereFleshIsThick) {
+  SkullTemplate skull = egg_template(kAxes);
+  std::fill(skull.region.begin(), skull.region.end(), SkullRegion::cranium);
+  std::vector<TissueDepth> thin = even_table(4), thick = even_table(8);
+  for (auto* table : {&thin, &thick})
+    for (TissueDepth& row : *table) row.sd_mm = 0.25 * row.mean_mm;
+  const DepthModel a = make_depth_model(skull, thin), b = make_depth_model(skull, thick);
+  for (std::size_t i = 0; i < a.sd.size(); i += 20) {
+    EXPECT_LT(a.sd[i], b.sd[i]);
+    EXPECT_GE(a.sd[i], 0.25 * (a.mean[i] - 1.5));  // the scalp's own, less a little hollow
+    EXPECT_LT(a.sd[i], 2.2);
+  }
+}
+
 TEST(DepthModel, HollowsOfTheHullAreDeeper) {
   SurfaceMesh mesh = ellipsoid({80, 80, 80}, 0, 4);
   std::size_t dented = 0;

@@ -35,14 +35,39 @@ TEST(Spread, OfACertainMapIsTheIndividualsAlone) {
     EXPECT_NEAR(spread.deviation[v], scene.model.sd[v], 1e-3);
 }
 
-TEST(Spread, AddsTheMapsDoubt) {
-  // Independent control points of SD 4 mm: the shares' squares sum to 0.2 and more, less than 1.
+TEST(Spread, IsTheTablesWholeSpreadAndTheMapsDoubtWhereThatIsLarger) {
+  // Independent control points of one SD: the variance along the way is that of the shares'
+  // squares.
+  for (const double sd : {1.0, 4.0, 12.0}) {
+    const Scene scene(1 / (sd * sd));
+    const SkullSpread spread =
+        draw_spread(scene.skull, scene.skull.mesh.points, scene.solved, scene.model, scene.skin);
+    int by_map = 0;
+    for (std::size_t v = 0; v < spread.deviation.size(); v += 50) {
+      double squares = 0;
+      for (const double share : scene.solved.map.lattice.weights(scene.skull.mesh.points[v]).share)
+        squares += share * share;
+      const double of_map = sd * std::sqrt(squares);
+      by_map += of_map > scene.model.sd[v];
+      EXPECT_NEAR(spread.deviation[v], std::max(of_map, scene.model.sd[v]), 1e-3);
+    }
+    EXPECT_EQ(by_map > 0, sd > 10) << sd;
+  }
+}
+
+TEST(Spread, DrawsOfAnUncertainMapHaveTheSameSpread) {
+  // The map gives the draws a part of the table's spread, the individual's field the rest.
   const Scene scene(1 / 16.0);
-  const SkullSpread spread =
-      draw_spread(scene.skull, scene.skull.mesh.points, scene.solved, scene.model, scene.skin);
-  for (std::size_t v = 0; v < spread.deviation.size(); v += 50) {
-    EXPECT_GT(spread.deviation[v], scene.model.sd[v]);
-    EXPECT_LT(spread.deviation[v], std::hypot(scene.model.sd[v], 4.0));
+  SpreadOptions options;
+  options.draws = 400;
+  const SkullSpread spread = draw_spread(scene.skull, scene.skull.mesh.points, scene.solved,
+                                         scene.model, scene.skin, options);
+  for (std::size_t v = 0; v < scene.skull.mesh.points.size(); v += 500) {
+    const Vec3 inward = scene.skin.at(scene.skull.mesh.points[v]).gradient;
+    double sum = 0;
+    for (const auto& draw : spread.offset)
+      sum += std::pow(std::max(0.0, inward.dot(draw[v])), 2);  // inward nothing is cut off
+    EXPECT_NEAR(std::sqrt(2 * sum / 400), spread.deviation[v], 0.25 * spread.deviation[v]);
   }
 }
 
