@@ -170,7 +170,8 @@ void add_build_command(CLI::App& app) {
       "Examples:\n  palpate build scan.obj -o head.glb\n"
       "  palpate build scan.ply -o head.glb --unit m --landmark nose_tip=0.1,12.5,93\n"
       "  palpate build scan.stl -o head.glb --config lab.toml\n"
-      "  palpate build --ct head.nii.gz -o head.glb",
+      "  palpate build --ct head.nii.gz -o head.glb\n"
+      "  palpate build scan.obj -o thesis.glb --preset published   # the thesis' own press",
       command, [outputs](Command& c) { run_build(c, *outputs); });
   add_scan_options(sub, command);
   sub->get_option("SCAN")->required(false);

@@ -51,6 +51,22 @@ static void finish_tissue(Command& c) {
   if (c.poissons_ratio >= 0) model.poissons_ratio = c.poissons_ratio;
 }
 
+/// The preset is a whole recipe: an option that would change it in part is refused, not mixed in.
+static void finish_preset(Command& c) {
+  const bool published = c.preset == "published";
+  for (const CLI::Option* option : published ? c.fixed_by_published : c.published_only)
+    if (option->count() > 0)
+      throw InputError(
+          published
+              ? fmt::format("{}: `--preset published` presses with a force on one node and the "
+                            "source's own tissue and method; leave {} out",
+                            option->get_name(), option->get_name())
+              : fmt::format("{}: goes with `--preset published` only", option->get_name()));
+  c.options.sweep.mode = published           ? stiffness::SweepMode::published
+                         : c.mode == "exact" ? stiffness::SweepMode::exact
+                                             : stiffness::SweepMode::fast;
+}
+
 void Command::finish() {
   if (!landmark_file.empty()) options.landmarks.given = read_landmark_file(landmark_file);
   for (const std::string& word : landmark_words) {
@@ -61,7 +77,7 @@ void Command::finish() {
       landmark_method == "published" ? landmarks::Method::published : landmarks::Method::robust;
   options.fit.method = fit_method == "published" ? skull::Method::published : skull::Method::depth;
   finish_tissue(*this);
-  options.sweep.mode = mode == "exact" ? stiffness::SweepMode::exact : stiffness::SweepMode::fast;
+  finish_preset(*this);
   if (!shard.empty()) std::tie(options.sweep.shard, options.sweep.shard_count) = parse_shard(shard);
   options.sweep.threads = threads;
 }
@@ -127,42 +143,56 @@ void add_tissue_options(CLI::App* sub, const CommandPtr& c) {
 
 void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
   auto& s = c->options.sweep;
-  sub->add_option("--mode", c->mode,
-                  "fast: coarse presses, full ones where the predicted error asks for it; exact: "
-                  "every vertex on tissue in full")
-      ->check(CLI::IsMember({"fast", "exact"}))
+  const auto fixed = [&c](const CLI::Option* option) { c->fixed_by_published.push_back(option); };
+  sub->add_option("--preset", c->preset,
+                  "default: sphere, neo-Hookean flesh, quadratic elements; published: the thesis' "
+                  "own press, a force on one node of linear Saint-Venant-Kirchhoff tissue, stepped "
+                  "to rest, to see what it does: vertices where it turns tissue inside out say so")
+      ->check(CLI::IsMember({"default", "published"}))
       ->capture_default_str();
+  c->published_only.push_back(
+      sub->add_option("--reach", s.published.reach,
+                      "[mm] --preset published: how far around a site the head's tetrahedra are "
+                      "taken; 1000 takes all (minutes per load)")
+          ->check(CLI::Range(5.0, 1000.0))
+          ->capture_default_str());
+  fixed(sub->add_option("--mode", c->mode,
+                        "fast: coarse presses, full ones where the predicted error asks for it; "
+                        "exact: every vertex on tissue in full")
+            ->check(CLI::IsMember({"fast", "exact"}))
+            ->capture_default_str());
   sub->add_option("--sites", s.sites,
-                  "vertices that are solved in full; 0: 300 in fast mode, all in exact mode (where "
-                  "fewer are asked for, the rest is blended)")
+                  "vertices that are solved in full; 0: 300 in fast mode, 40 in the published "
+                  "preset, all in exact mode (where fewer are asked for, the rest is blended)")
       ->check(CLI::Range(0, 1000000))
       ->capture_default_str();
-  sub->add_option("--error-bound", s.error_bound,
-                  "largest predicted error of a learned curve in fast mode")
-      ->check(CLI::Range(0.001, 1.0))
-      ->capture_default_str();
-  sub->add_option("--tool-radius", s.tool_radius, "[mm] sphere that presses; 8 is a fingertip")
-      ->check(CLI::Range(1.0, 30.0))
-      ->capture_default_str();
+  fixed(sub->add_option("--error-bound", s.error_bound,
+                        "largest predicted error of a learned curve in fast mode")
+            ->check(CLI::Range(0.001, 1.0))
+            ->capture_default_str());
+  fixed(
+      sub->add_option("--tool-radius", s.tool_radius, "[mm] sphere that presses; 8 is a fingertip")
+          ->check(CLI::Range(1.0, 30.0))
+          ->capture_default_str());
   sub->add_option("--max-force", s.max_force, "[N] largest of the equal force steps")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();
   sub->add_option("--loads", s.loads, "number of force steps")
       ->check(CLI::Range(1, 100))
       ->capture_default_str();
-  sub->add_option("--tissue-model", c->tissue_model,
-                  "published, regional, layered or a .toml: what the flesh is made of")
-      ->capture_default_str();
-  sub->add_option("--youngs-modulus-kpa", c->youngs_modulus_kpa,
-                  "[kPa] of the flesh, instead of the published 45.658")
-      ->check(CLI::Range(0.1, 1e4));
-  sub->add_option("--poissons-ratio", c->poissons_ratio,
-                  "[-] of the flesh, instead of the published 0.43")
-      ->check(CLI::Range(0.0, 0.495));
-  sub->add_option("--modulus-spread", c->options.spread.modulus_spread,
-                  "[-] SD of ln E between people, for the error bars of the stiffness")
-      ->check(CLI::Range(0.0, 3.0))
-      ->capture_default_str();
+  fixed(sub->add_option("--tissue-model", c->tissue_model,
+                        "published, regional, layered or a .toml: what the flesh is made of")
+            ->capture_default_str());
+  fixed(sub->add_option("--youngs-modulus-kpa", c->youngs_modulus_kpa,
+                        "[kPa] of the flesh, instead of the published 45.658")
+            ->check(CLI::Range(0.1, 1e4)));
+  fixed(sub->add_option("--poissons-ratio", c->poissons_ratio,
+                        "[-] of the flesh, instead of the published 0.43")
+            ->check(CLI::Range(0.0, 0.495)));
+  fixed(sub->add_option("--modulus-spread", c->options.spread.modulus_spread,
+                        "[-] SD of ln E between people, for the error bars of the stiffness")
+            ->check(CLI::Range(0.0, 3.0))
+            ->capture_default_str());
   sub->add_option("--checkpoint", s.checkpoint,
                   "file that keeps what is solved; the same command goes on from it");
   sub->add_option("--seed", s.seed, "for the choice of sites")->capture_default_str();

@@ -28,6 +28,9 @@ struct Command {
   std::string tissue_model = "published";
   double youngs_modulus_kpa = 0;  ///< 0: as the tissue model says
   double poissons_ratio = -1;     ///< < 0: likewise
+  std::string preset = "default";
+  std::vector<const CLI::Option*> fixed_by_published;  ///< what `--preset published` sets itself
+  std::vector<const CLI::Option*> published_only;
   std::string mode = "fast";
   std::string shard;   ///< "i/n", i from 1
   std::string config;  ///< read before the parse; here for --help
@@ -51,7 +54,7 @@ void add_landmark_options(CLI::App* sub, const CommandPtr& c);  ///< --landmarks
 void add_fit_options(CLI::App* sub, const CommandPtr& c);  ///< --fit, --clearance, --template, ...
 void add_tissue_options(CLI::App* sub, const CommandPtr& c);  ///< --max-volume, ...
 void add_sweep_options(CLI::App* sub,
-                       const CommandPtr& c);             ///< --mode, --sites, --tissue-model, ...
+                       const CommandPtr& c);             ///< --preset, --mode, --sites, ...
 void add_own_skull(CLI::App* sub, const CommandPtr& c);  ///< --skull
 void add_output_option(CLI::App* sub, const CommandPtr& c, const std::string& what);
 

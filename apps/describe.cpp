@@ -24,6 +24,7 @@ static json number(double x) {
 }
 
 json describe(const PipelineOptions& o) {
+  const bool published = o.sweep.mode == stiffness::SweepMode::published;
   json given = json::object();
   for (const auto& [name, p] : o.landmarks.given) given[name] = vector_json(p);
   return {
@@ -44,7 +45,11 @@ json describe(const PipelineOptions& o) {
       {"bone_labels", o.image.bone_labels},
       {"tissue_max_volume_mm3", o.tissue.max_volume},
       {"tool_radius_mm", o.sweep.tool_radius},
-      {"mode", o.sweep.mode == stiffness::SweepMode::exact ? "exact" : "fast"},
+      {"preset", published ? "published" : "default"},
+      {"mode", published                                     ? "published"
+               : o.sweep.mode == stiffness::SweepMode::exact ? "exact"
+                                                             : "fast"},
+      {"published_reach_mm", published ? json(o.sweep.published.reach) : json(nullptr)},
       {"tissue_model", describe(o.sweep.tissue)},
       {"loads", o.sweep.loads},
       {"max_force_n", o.sweep.max_force},
@@ -89,6 +94,25 @@ json describe(const std::vector<DepthRow>& depths) {
                     {"depth_mm", number(d.depth_mm)},
                     {"reached", d.reached}});
   return rows;
+}
+
+json describe(const std::vector<stiffness::PublishedSite>& sites) {
+  json out = json::array();
+  for (const stiffness::PublishedSite& s : sites) {
+    json site = {{"vertex", s.point},
+                 {"u_mm", json::array()},
+                 {"inverted_tets", json::array()},
+                 {"at_rest", json::array()},
+                 {"steps", json::array()}};
+    for (const fem::PublishedSample& p : s.samples) {
+      site["u_mm"].push_back(number(p.displacement));
+      site["inverted_tets"].push_back(p.inverted_tets);
+      site["at_rest"].push_back(p.at_rest);
+      site["steps"].push_back(p.steps);
+    }
+    out.push_back(site);
+  }
+  return out;
 }
 
 json describe(const HeadFrame& frame) {

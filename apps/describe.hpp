@@ -12,6 +12,7 @@ namespace palpate::app {
 /// @param unit_mm  [mm] per unit of the positions to be written
 [[nodiscard]] nlohmann::json describe(const LandmarkSet& landmarks, double unit_mm);
 [[nodiscard]] nlohmann::json describe(const std::vector<DepthRow>& depths);
+[[nodiscard]] nlohmann::json describe(const std::vector<stiffness::PublishedSite>& sites);
 [[nodiscard]] nlohmann::json describe(const HeadFrame& frame);
 /// What `palpate inspect --json` prints.
 [[nodiscard]] nlohmann::json describe(const TouchableHead& head);

@@ -2,6 +2,8 @@
 // What can be done with a finished head: look into it, export it, write its report.
 #include <fmt/format.h>
 
+#include <algorithm>
+
 #include "apps/command_line.hpp"
 #include "apps/describe.hpp"
 #include "apps/terminal_progress.hpp"
@@ -9,6 +11,7 @@
 #include "io/export.hpp"
 #include "io/head_file.hpp"
 #include "landmarks/regions.hpp"
+#include "report/published.hpp"
 #include "report/report.hpp"
 #include "report/summary.hpp"
 
@@ -18,6 +21,20 @@ namespace {
 void add_head_argument(CLI::App* sub, const CommandPtr& c) {
   sub->add_option("HEAD", c->input, "touchable head, .glb, as `palpate build` writes it")
       ->required();
+}
+
+/// What the published recipe did at its sites; empty for a head of the default preset.
+std::string published_text(const TouchableHead& head) {
+  const std::vector<report::PublishedLoad> loads = report::published_loads(head);
+  if (loads.empty()) return "";
+  std::string text =
+      fmt::format("published recipe, {} sites pressed\n{:>9} {:>14} {:>12} {:>6} {:>16} {:>16}\n",
+                  loads.front().sites, "force [N]", "inside out at", "no rest at", "good",
+                  "u of these [mm]", "u as told [mm]");
+  for (const report::PublishedLoad& l : loads)
+    text += fmt::format("{:>9.3f} {:>14} {:>12} {:>6} {:>16.2f} {:>16.2f}\n", l.force, l.inverted,
+                        l.restless, l.good, l.median_good_u, l.median_u);
+  return text;
 }
 
 void run_inspect(Command& c) {
@@ -31,6 +48,12 @@ void run_inspect(Command& c) {
   for (const auto& r : summary.regions)
     text += fmt::format("{:<10} {:>8} {:>10} {:>14.3f} {:>10.1f}\n", name(r.region), r.vertices,
                         r.with_curve, r.stiffness, r.depth);
+  for (std::size_t s = 0; s < kVertexStatusNames.size(); ++s)
+    if (const auto n = std::count(head.map.status.begin(), head.map.status.end(),
+                                  static_cast<VertexStatus>(s)))
+      text += fmt::format("{} {}: {} vertices\n", s == 0 ? "status" : "      ",
+                          kVertexStatusNames[s], n);
+  text += published_text(head);
   if (summary.kendall_tau)
     text += fmt::format("Kendall tau against the published order: {:.2f}\n", *summary.kendall_tau);
   print_result(c, describe(head), text);

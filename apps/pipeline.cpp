@@ -138,11 +138,14 @@ MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
   constexpr std::size_t kMany = 2;  // times the working skin's points: pressing each tells no more
   MappedHead mapped;
   const stiffness::SkinPoints points{located.points, located.region};
+  stiffness::SweepOptions sweep = options.sweep;
+  sweep.published.max_volume = options.tissue.max_volume;
+  const bool published = sweep.mode == stiffness::SweepMode::published;
   const bool carry = options.sweep.mode == stiffness::SweepMode::fast &&
                      points.position.size() > kMany * located.head.skin.points.size();
   mapped.sweep = clock.run("sweep", [&] {
-    return carry ? stiffness::sweep(located.head, skull, options.sweep, progress)
-                 : stiffness::sweep(located.head, skull, points, options.sweep, progress);
+    return carry ? stiffness::sweep(located.head, skull, sweep, progress)
+                 : stiffness::sweep(located.head, skull, points, sweep, progress);
   });
   if (options.sweep.shard_count > 1) return mapped;
   if (carry)
@@ -151,6 +154,7 @@ MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
     });
   else
     mapped.map = mapped.sweep.map;
+  if (published) return mapped;  // the error bars are those of a sphere
   mapped.spread = clock.run("spread", [&] {
     return stiffness::map_spread(mapped.map, located.head, skull, located.points, options.spread,
                                  progress);
@@ -190,6 +194,8 @@ TouchableHead assemble(const PreparedScan& scan, const LocatedHead& located, con
       {"sweep", mapped.sweep.statistics},
       {"warnings", warnings},
   };
+  if (!mapped.sweep.published.empty())
+    head.provenance["published_sites"] = describe(mapped.sweep.published);
   if (tissue) head.provenance["tissue_mesh"] = tissue->quality;
   if (!scan.image_notes.empty()) head.provenance["image"] = scan.image_notes;
   return head;

@@ -46,6 +46,7 @@ void add_job_options(CLI::App* sub, const CommandPtr& c) {
   add_landmark_options(sub, c);
   add_fit_options(sub, c);
   add_own_skull(sub, c);
+  add_tissue_options(sub, c);
   add_sweep_options(sub, c);
 }
 
@@ -57,7 +58,8 @@ void add_sweep_commands(CLI::App& app) {
       add_subcommand(app, "sweep", "scan and skull -> force-depth curves (head.glb without report)",
                      "Examples:\n  palpate sweep scan.obj --skull skull.ply -o head.glb\n"
                      "  palpate sweep scan.obj --mode exact --checkpoint scan.sweep -o head.glb\n"
-                     "  palpate sweep scan.obj --mode exact --shard 2/4 --checkpoint part2.sweep",
+                     "  palpate sweep scan.obj --mode exact --shard 2/4 --checkpoint part2.sweep\n"
+                     "  palpate sweep scan.obj --preset published --sites 20 -o thesis.glb",
                      c, run_sweep);
   add_job_options(sub, c);
   sub->add_option("-o,--output", c->output, "touchable head, .glb");

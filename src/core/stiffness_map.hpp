@@ -11,18 +11,36 @@
 
 namespace palpate {
 
-enum class VertexStatus : std::uint8_t { solved, blended, no_bone, held, failed };
-inline constexpr std::array<std::string_view, 5> kVertexStatusNames = {"solved", "blended",
-                                                                       "no_bone", "held", "failed"};
+/// inverted and unsettled are what the published recipe comes to where it turns tissue inside out
+/// or does not come to rest at some force; in files by number, so new ones go to the end.
+enum class VertexStatus : std::uint8_t {
+  solved,
+  blended,
+  no_bone,
+  held,
+  failed,
+  inverted,
+  unsettled
+};
+inline constexpr std::array<std::string_view, 7> kVertexStatusNames = {
+    "solved", "blended", "no_bone", "held", "failed", "inverted", "unsettled"};
 [[nodiscard]] constexpr std::string_view name(VertexStatus s) {
   return kVertexStatusNames[static_cast<std::size_t>(s)];
 }
 
 /// How a vertex came by its curve: single precision in a batch of sixteen, double precision,
-/// double precision on an unstructured patch (where the skin is no height field), or learned.
-enum class SolveMethod : std::uint8_t { none, batch, in_double, unstructured, surrogate };
-inline constexpr std::array<std::string_view, 5> kSolveMethodNames = {"none", "batch", "double",
-                                                                      "unstructured", "surrogate"};
+/// double precision on an unstructured patch (where the skin is no height field), learned from
+/// other vertices, or pressed by the published recipe.
+enum class SolveMethod : std::uint8_t {
+  none,
+  batch,
+  in_double,
+  unstructured,
+  surrogate,
+  published
+};
+inline constexpr std::array<std::string_view, 6> kSolveMethodNames = {
+    "none", "batch", "double", "unstructured", "surrogate", "published"};
 [[nodiscard]] constexpr std::string_view name(SolveMethod m) {
   return kSolveMethodNames[static_cast<std::size_t>(m)];
 }
@@ -34,9 +52,10 @@ struct Dents {
   std::vector<double> share;  ///< [-] n x radii.size(), mean around the axis; NaN where no curve
 };
 
-/// Force-travel samples per vertex. A row is NaN where there is no curve (no_bone, held, failed).
+/// Force-travel samples per vertex. A row is NaN where there is no curve.
 struct StiffnessMap {
-  double tool_radius = 8;            ///< [mm] sphere that pressed
+  double tool_radius = 8;            ///< [mm] sphere that pressed; of the published recipe, which
+                                     ///< has none: that it is played with
   std::vector<double> forces;        ///< [N] ascending, > 0
   std::vector<double> displacement;  ///< [mm] n x forces.size(), row by row: travel of the tool
                                      ///< along the inward normal from first contact

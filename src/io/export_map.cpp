@@ -59,7 +59,9 @@ json column_notes(const TouchableHead& head) {
   add("depth_mm", "mm", "distance from skin to bone; nan where no bone was found");
   add("status", "",
       "solved: pressed here; blended: from presses nearby; no_bone: no bone within "
-      "reach; held: eye, nose or lips; failed: the solver did not converge");
+      "reach; held: eye, nose or lips; failed: the solver did not converge; "
+      "inverted, unsettled: the published recipe turns tissue inside out or does not come to rest, "
+      "here or at the nearest site");
   add("error", "1", "estimated relative error of the travel; nan where there is none");
   for (std::size_t i = 1; i <= map.forces.size(); ++i)
     add(fmt::format("f_{}", i), "N", "force on the tool");

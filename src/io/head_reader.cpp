@@ -44,7 +44,7 @@ class HeadReader {
       const json& skull = primitive(1);
       head_.skull = read_mesh(skull, "skull");
       head_.skull_region =
-          codes<SkullRegion>(skull, head_.skull.points.size(), kSkullRegionNames.size(), "_REGION");
+          codes<SkullRegion>(skull, head_.skull.points.size(), skull_regions_, "_REGION");
       const auto attributes = skull.find("attributes");
       if (attributes != skull.end() && attributes->is_object() && attributes->contains("_DEPTH_SD"))
         head_.skull_spread = values(skull, "_DEPTH_SD", head_.skull.points.size());
@@ -98,9 +98,9 @@ class HeadReader {
         std::adjacent_find(f.begin(), f.end(), std::greater_equal<>()) != f.end())
       document_.fail(kHeadExtension, "'forces_n' does not ascend from above 0");
     // The codes below are indices into these lists; another order would be another meaning.
-    check_names("status_names", kVertexStatusNames);
-    check_names("skin_region_names", kSkinRegionNames);
-    check_names("skull_region_names", kSkullRegionNames);
+    statuses_ = check_names("status_names", kVertexStatusNames);
+    regions_ = check_names("skin_region_names", kSkinRegionNames);
+    skull_regions_ = check_names("skull_region_names", kSkullRegionNames);
     const json& frame = member(*extension_, "frame");
     const json& rows = member(frame, "rotation");
     if (!rows.is_array() || rows.size() != 3) document_.fail("frame", "has no 3 x 3 rotation");
@@ -111,15 +111,16 @@ class HeadReader {
     head_.frame.origin = vector(member(frame, "origin_mm"), "origin_mm");
   }
 
+  /// Returns how many names the file knows: the files of earlier versions lack the last ones.
   template <typename Names>
-  void check_names(const char* key, const Names& names) const {
+  std::size_t check_names(const char* key, const Names& names) const {
     const json& list = member(*extension_, key);
-    if (!list.is_array() || list.size() != names.size() ||
-        !std::equal(names.begin(), names.end(), list.begin(),
-                    [](std::string_view a, const json& b) {
-                      return b.is_string() && b.get_ref<const std::string&>() == a;
-                    }))
+    if (!list.is_array() || list.empty() || list.size() > names.size() ||
+        !std::equal(list.begin(), list.end(), names.begin(), [](const json& a, std::string_view b) {
+          return a.is_string() && a.get_ref<const std::string&>() == b;
+        }))
       document_.fail(kHeadExtension, fmt::format("'{}' are not the names of this version", key));
+    return list.size();
   }
 
   void read_table() {
@@ -216,8 +217,8 @@ class HeadReader {
     StiffnessMap& map = head_.map;
     const std::size_t n = map.size();
     if (extension_->contains("method_names")) {
-      check_names("method_names", kSolveMethodNames);
-      map.method = codes<SolveMethod>(primitive, n, kSolveMethodNames.size(), "_METHOD");
+      const std::size_t methods = check_names("method_names", kSolveMethodNames);
+      map.method = codes<SolveMethod>(primitive, n, methods, "_METHOD");
     }
     if (extension_->contains("spread")) {
       head_.spread.depth = values(primitive, "_DEPTH_SD", n);
@@ -242,8 +243,8 @@ class HeadReader {
   void read_map(const json& primitive) {
     StiffnessMap& map = head_.map;
     const std::size_t n = head_.skin.points.size(), samples = map.forces.size();
-    map.status = codes<VertexStatus>(primitive, n, kVertexStatusNames.size(), "_STATUS");
-    map.region = codes<SkinRegion>(primitive, n, kSkinRegionNames.size(), "_REGION");
+    map.status = codes<VertexStatus>(primitive, n, statuses_, "_STATUS");
+    map.region = codes<SkinRegion>(primitive, n, regions_, "_REGION");
     map.depth = values(primitive, "_DEPTH", n);
     map.error = values(primitive, "_ERROR", n);
     for (std::vector<double>* column : {&map.depth, &map.error})
@@ -264,6 +265,7 @@ class HeadReader {
 
   const GltfDocument& document_;
   const json* extension_ = nullptr;
+  std::size_t statuses_ = 0, regions_ = 0, skull_regions_ = 0;  // codes that the file names
   TouchableHead head_;
 };
 

@@ -164,6 +164,10 @@ Rgb status_color(VertexStatus status) {
       return {0.88, 0.78, 0.50};
     case VertexStatus::failed:
       return {0.84, 0.20, 0.18};
+    case VertexStatus::inverted:
+      return {0.58, 0.20, 0.52};
+    case VertexStatus::unsettled:
+      return {0.93, 0.58, 0.20};
   }
   return plot::missing_color();
 }

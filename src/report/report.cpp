@@ -54,6 +54,7 @@ void write_report(const std::filesystem::path& path, const TouchableHead& head,
   add_spread(page, head, pictures);
   progress.step("report", 0.8);
   add_coverage(page, head, pictures);
+  add_published(page, head);
   add_tissue_mesh(page, head);
   add_record(page, head);
   write_file(path, std::move(page).finish());

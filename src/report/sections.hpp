@@ -16,6 +16,8 @@ void add_spread(Page& page, const TouchableHead& head, const HeadPictures& pictu
 void add_stiffness(Page& page, const TouchableHead& head, const RegionSummary& summary,
                    const HeadPictures& pictures);
 void add_coverage(Page& page, const TouchableHead& head, const HeadPictures& pictures);
+/// What the published recipe said at its sites; nothing for heads of the default preset.
+void add_published(Page& page, const TouchableHead& head);
 void add_tissue_mesh(Page& page, const TouchableHead& head);
 void add_record(Page& page, const TouchableHead& head);
 

@@ -145,16 +145,23 @@ void add_coverage(Page& page, const TouchableHead& head, const HeadPictures& pic
   plot::CategoryLegend statuses;
   Page::Table t{{"status", "meaning", "vertices", "share"}, {}, {}, 2};
   static constexpr std::array<std::string_view, kVertexStatusNames.size()> kMeaning = {
-      "pressed in full, the curve is the solver's own", "blended from solved neighbours",
-      "no bone under the skin within reach: no curve", "carried by another organ: no curve",
-      "the solver did not converge: no curve"};
+      "pressed in full, the curve is the solver's own",
+      "blended from solved neighbours",
+      "no bone under the skin within reach: no curve",
+      "carried by another organ: no curve",
+      "the solver did not converge: no curve",
+      "the published recipe turns tissue inside out, here or at the nearest pressed vertex: no "
+      "curve",
+      "the published recipe does not come to rest, here or at the nearest pressed vertex: no "
+      "curve"};
   const double all = std::max<double>(1, static_cast<double>(head.map.size()));
   for (std::size_t s = 0; s < count.size(); ++s) {
     const auto status = static_cast<VertexStatus>(s);
+    if (status > VertexStatus::failed && count[s] == 0) continue;  // another recipe's
     statuses.entries.push_back({plain_words(name(status)), plot::hex(status_color(status))});
     t.rows.push_back({plain_words(name(status)), std::string(kMeaning[s]), grouped(count[s]),
                       fixed(100 * static_cast<double>(count[s]) / all, 1) + " %"});
-    if (status == VertexStatus::failed && count[s]) t.marked.push_back(s);
+    if (status >= VertexStatus::failed && count[s]) t.marked.push_back(t.rows.size() - 1);
   }
   page.pictures({{data_url(pictures.status(View::front)), "front"},
                  {data_url(pictures.status(View::three_quarter)), "three-quarter"},

@@ -57,6 +57,13 @@ void judge_curves(Judge& out, const StiffnessMap& map) {
     out.say(static_cast<double>(failed) <= kFailedShare * all,
             fmt::format("{} vertices failed to converge; they carry no curve and are painted red.",
                         grouped(failed)));
+  const std::size_t inverted = count(VertexStatus::inverted);
+  const std::size_t restless = count(VertexStatus::unsettled);
+  if (inverted + restless > 0)
+    out.say(false, fmt::format("The published recipe turns tissue inside out at {} vertices and "
+                               "does not come to rest at {}, pressed there or at the nearest site; "
+                               "they carry no curve.",
+                               grouped(inverted), grouped(restless)));
   const std::size_t none = count(VertexStatus::no_bone), held = count(VertexStatus::held);
   if (none + held > 0)
     out.care(

@@ -18,7 +18,7 @@ namespace {
 constexpr std::string_view kMagic = "PSB1";
 constexpr std::uint32_t kHeader = 0x100;  // kind of the first block; solves are their SolveLevel
 constexpr std::size_t kBlockHead = 4 + 4 + 4 + 8;
-constexpr std::uint64_t kFormat = 1;
+constexpr std::uint64_t kFormat = 2;
 
 template <class T>
 void append_bytes(std::string& out, const T& value) {
@@ -173,6 +173,13 @@ void Checkpoint::take(SolveLevel level, std::string_view payload) {
     for (double& u : curve.travel) u = c.take<double>();
     curve.sunk.resize(c.take<std::uint32_t>());
     for (double& w : curve.sunk) w = c.take<double>();
+    curve.published.resize(c.take<std::uint32_t>());
+    for (fem::PublishedSample& p : curve.published) {
+      p.displacement = c.take<double>();
+      p.at_rest = c.take<std::uint8_t>() != 0;
+      p.inverted_tets = c.take<std::int32_t>();
+      p.steps = c.take<std::int32_t>();
+    }
     if (c.good) curves_[{level, site}] = std::move(curve);
   }
 }
@@ -203,6 +210,13 @@ void Checkpoint::put(SolveLevel level, std::span<const std::int32_t> sites,
     for (const std::vector<double>* list : {&c.travel, &c.sunk}) {
       append_bytes(payload, static_cast<std::uint32_t>(list->size()));
       for (const double v : *list) append_bytes(payload, v);
+    }
+    append_bytes(payload, static_cast<std::uint32_t>(c.published.size()));
+    for (const fem::PublishedSample& p : c.published) {
+      append_bytes(payload, p.displacement);
+      append_bytes(payload, static_cast<std::uint8_t>(p.at_rest));
+      append_bytes(payload, static_cast<std::int32_t>(p.inverted_tets));
+      append_bytes(payload, static_cast<std::int32_t>(p.steps));
     }
   }
   const std::lock_guard lock(mutex_);

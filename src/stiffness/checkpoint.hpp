@@ -34,7 +34,7 @@ class Fingerprint {
 };
 
 /// What a curve was solved with; part of a record's key.
-enum class SolveLevel : std::uint32_t { coarse, full, unstructured };
+enum class SolveLevel : std::uint32_t { coarse, full, unstructured, published };
 
 class Checkpoint {
  public:

@@ -83,6 +83,8 @@ std::uint64_t Ground::fingerprint() const {
     for (const double x : t.by_region) f.add(x);
     for (const SkinRegion r : head.region) f.add(static_cast<double>(r));
   }
+  if (options.mode == SweepMode::published)
+    for (const double x : {options.published.reach, options.published.max_volume}) f.add(x);
   for (const TissueLayer& l : t.layers)
     for (const double x : {l.share, l.youngs_modulus, l.poissons_ratio, static_cast<double>(l.law)})
       f.add(x);

@@ -155,7 +155,7 @@ class Presser {
     std::vector<SiteCurve> curves;
     for (fem::lanes::LaneCurve& lane : workspace->press(patches, radius(), kind.forces, kind.rings))
       curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch, false,
-                        lane.iterations, lane.shifts, 0});
+                        lane.iterations, lane.shifts, 0, {}});
     return curves;
   }
 

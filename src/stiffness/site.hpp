@@ -5,6 +5,7 @@
 
 #include "core/stiffness_map.hpp"
 #include "fem/press.hpp"
+#include "fem/published.hpp"
 #include "stiffness/patch.hpp"
 
 namespace palpate::stiffness {
@@ -16,7 +17,8 @@ struct SiteCurve {
   bool bent = false;   ///< the skin under the tool is no height field; the patch is bounded there
   int iterations = 0;  ///< Newton steps over all loads
   int projections = 0;
-  double residual = 0;  ///< [N] of the last load tried
+  double residual = 0;                          ///< [N] of the last load tried
+  std::vector<fem::PublishedSample> published;  ///< the recipe's: loads up to the first bad
 };
 struct Tool {
   double radius = 8;   ///< [mm] of the sphere

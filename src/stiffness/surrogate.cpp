@@ -4,6 +4,7 @@
 // and what the coarse mesh gets wrong varies slowly from place to place.
 #include "stiffness/surrogate.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "stiffness/press_sites.hpp"
@@ -40,6 +41,10 @@ Eigen::VectorXd through(std::span<const double> at, std::span<const double> u,
 
 }  // namespace
 
+SolveLevel full_level(const SweepOptions& options) {
+  return options.mode == SweepMode::published ? SolveLevel::published : SolveLevel::full;
+}
+
 std::size_t dent_load(std::span<const double> forces) {
   constexpr double kForce = 2;  // [N]
   std::size_t best = 0;
@@ -54,7 +59,7 @@ Surrogate::Surrogate(const Ground& ground, const Checkpoint& store,
   std::vector<Eigen::VectorXd> shapes, guesses;
   std::vector<std::int32_t> good;
   for (const std::int32_t s : sites) {
-    const SiteCurve* full = store.find(SolveLevel::full, s);
+    const SiteCurve* full = store.find(full_level(ground.options), s);
     Eigen::VectorXd shape, guess;
     if (!full || full->travel.empty() || !look(s, shape, guess)) continue;
     good.push_back(s);
@@ -69,7 +74,7 @@ Surrogate::Surrogate(const Ground& ground, const Checkpoint& store,
                      Eigen::MatrixXd(n, guesses[0].size())};
   Eigen::MatrixXd travel(n, loads), dents;
   for (Eigen::Index i = 0; i < n; ++i) {
-    const SiteCurve& full = *store.find(SolveLevel::full, good[i]);
+    const SiteCurve& full = *store.find(full_level(ground.options), good[i]);
     inputs.shape.row(i) = shapes[i];
     inputs.position.row(i) = ground.spots[good[i]].frame.origin / ground.options.tool_radius;
     inputs.guess.row(i) = guesses[i];
@@ -84,7 +89,7 @@ Surrogate::Surrogate(const Ground& ground, const Checkpoint& store,
 }
 
 bool Surrogate::look(std::int32_t spot, Eigen::VectorXd& shape, Eigen::VectorXd& guess) const {
-  if (ground_.options.mode == SweepMode::exact) {
+  if (ground_.options.mode != SweepMode::fast) {
     shape = ground_.spots[spot].shape;
     guess.resize(0);
     return true;
@@ -109,6 +114,16 @@ std::optional<CurveBlend::Curve> Surrogate::at(std::int32_t spot) const {
   Eigen::VectorXd shape, guess;
   if (!look(spot, shape, guess)) return std::nullopt;
   return blend_->at(shape, ground_.spots[spot].frame.origin / ground_.options.tool_radius, guess);
+}
+
+void note_left_out_errors(const Surrogate& surrogate, std::map<std::string, double>& statistics) {
+  const Eigen::MatrixXd& left_out = surrogate.left_out_errors();
+  std::vector<double> miss(left_out.data(), left_out.data() + left_out.size());
+  for (double& e : miss) e = std::abs(e);
+  std::sort(miss.begin(), miss.end());
+  statistics["blend_left_out_error_median"] = miss[miss.size() / 2];
+  statistics["blend_left_out_error_p95"] = miss[miss.size() * 95 / 100];
+  statistics["blend_left_out_error_max"] = miss.back();
 }
 
 }  // namespace palpate::stiffness

@@ -1,6 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Curves at places that were not pressed in full, learned from those that were: from the coarse
-// presses in fast mode, from the surroundings alone in exact mode with chosen sites.
+// presses in fast mode, from the surroundings alone where sites were chosen in the other modes.
 #pragma once
 #include <memory>
 
@@ -12,6 +12,9 @@ namespace palpate::stiffness {
 
 /// The load that is the nearest one to 2 N: where stiffness is compared and dents are taken.
 [[nodiscard]] std::size_t dent_load(std::span<const double> forces);
+
+/// Where the store keeps what a mode calls a full press.
+[[nodiscard]] SolveLevel full_level(const SweepOptions& options);
 
 class Surrogate {
  public:
@@ -33,5 +36,8 @@ class Surrogate {
   std::vector<double> coarse_forces_;
   std::unique_ptr<CurveBlend> blend_;
 };
+
+/// blend_left_out_error_median, _p95 and _max: relative errors of leaving each site out.
+void note_left_out_errors(const Surrogate& surrogate, std::map<std::string, double>& statistics);
 
 }  // namespace palpate::stiffness

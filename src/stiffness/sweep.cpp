@@ -15,6 +15,7 @@
 
 #include "stiffness/fallback.hpp"
 #include "stiffness/press_sites.hpp"
+#include "stiffness/published_sites.hpp"
 #include "stiffness/sites.hpp"
 #include "stiffness/surrogate.hpp"
 
@@ -25,7 +26,8 @@ constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 // [-] The default patch against refined ones, 3 to 25 mm of tissue, 0.5 to 5 N
 // (docs/method/sweep.md).
 constexpr double kDiscretisationError = 0.02;
-constexpr int kFastSites = 300;  // more halves the error only at four times as many
+constexpr int kFastSites = 300;      // more halves the error only at four times as many
+constexpr int kPublishedSites = 40;  // seconds to minutes of one core each
 constexpr double kToolPerHead =
     0.25;  // [-] a tool above this share of the head's size feels a head
 
@@ -53,6 +55,7 @@ void check(const HeadSurface& head, const SkullFit& skull, const SkinPoints& poi
   if (!(o.no_bone_beyond > 0)) throw InputError("no_bone_beyond must be > 0");
   if (o.shard_count < 1 || o.shard < 0 || o.shard >= o.shard_count)
     throw InputError(fmt::format("shard {} of {} does not exist", o.shard + 1, o.shard_count));
+  if (!(o.published.reach > 0)) throw InputError("the reach of the published recipe must be > 0");
   check(o.tissue);
 }
 
@@ -76,14 +79,6 @@ std::vector<std::int32_t> spots_with_tissue(const Ground& ground) {
                                  ground.options.no_bone_beyond));
   return tissue;
 }
-
-/// One spot's result, however it came about.
-struct Row {
-  VertexStatus status = VertexStatus::no_bone;
-  SolveMethod method = SolveMethod::none;
-  double error = kNan;
-  std::vector<double> travel, dent;
-};
 
 Row row_of(const SiteCurve& full, std::span<const double> forces) {
   Row row;
@@ -183,18 +178,9 @@ class Filler {
       row.travel.assign(curve->travel.begin(), curve->travel.end());
       row.dent.assign(curve->others.begin(), curve->others.end());
     });
-    summarise(surrogate.left_out_errors());
+    note_left_out_errors(surrogate, out_.statistics);
     std::erase_if(rest, [&](std::int32_t s) { return wanted[s] == 0; });
     return rest;
-  }
-
-  void summarise(const Eigen::MatrixXd& left_out) {
-    std::vector<double> miss(left_out.data(), left_out.data() + left_out.size());
-    for (double& e : miss) e = std::abs(e);
-    std::sort(miss.begin(), miss.end());
-    out_.statistics["blend_left_out_error_median"] = miss[miss.size() / 2];
-    out_.statistics["blend_left_out_error_p95"] = miss[miss.size() * 95 / 100];
-    out_.statistics["blend_left_out_error_max"] = miss.back();
   }
 
   const Ground& ground_;
@@ -213,7 +199,7 @@ StiffnessMap map_of(const Ground& ground, const SkinPoints& points, const std::v
   map.displacement.assign(n * loads, kNan);
   map.region = points.region;
   map.dents.force = ground.forces[dent_load(ground.forces)];
-  map.dents.radii = dent_radii(map.tool_radius);
+  if (ground.options.mode != SweepMode::published) map.dents.radii = dent_radii(map.tool_radius);
   const std::size_t rings = map.dents.radii.size();
   map.dents.share.assign(n * rings, kNan);
   for (std::size_t p = 0; p < n; ++p) {
@@ -261,6 +247,38 @@ std::vector<std::int32_t> points_of(const Ground& ground, const std::vector<std:
   return out;
 }
 
+/// Sites that a mode presses when it is not told how many.
+int default_sites(SweepMode mode, std::size_t tissue) {
+  switch (mode) {
+    case SweepMode::fast:
+      return kFastSites;
+    case SweepMode::published:
+      return kPublishedSites;
+    case SweepMode::exact:
+      break;
+  }
+  return static_cast<int>(tissue);
+}
+
+/// The sweep by the published recipe, from the sites on.
+void sweep_published(const Ground& ground, const SkullFit& skull, const SkinPoints& points,
+                     const std::vector<std::int32_t>& tissue,
+                     const std::vector<std::int32_t>& sites, Checkpoint& store,
+                     const Progress& progress, Sweep& out) {
+  const Shard shard{ground.options.shard, ground.options.shard_count};
+  press_published_sites(ground, skull, sites, shard, store, progress, 0.04, 0.95);
+  out.sites = points_of(ground, sites);
+  out.statistics["sites"] = static_cast<double>(sites.size());
+  if (shard.count > 1) {
+    out.statistics["curves_in_store"] = static_cast<double>(store.size());
+    return;
+  }
+  out.map = map_of(ground, points, published_rows(ground, store, tissue, sites, out));
+  for (std::size_t i = 0; i < sites.size(); ++i)
+    out.published.push_back({out.sites[i], store.find(SolveLevel::published, sites[i])->published});
+  count_points(out);
+}
+
 }  // namespace
 
 Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
@@ -270,10 +288,12 @@ Sweep sweep(const HeadSurface& head, const SkullFit& skull, const SkinPoints& po
   const std::vector<std::int32_t> tissue = spots_with_tissue(ground);
   Sweep out;
   const auto store = open_store(ground, out);
-  int count = options.sites;
-  if (count == 0)
-    count = options.mode == SweepMode::fast ? kFastSites : static_cast<int>(tissue.size());
+  const int count = options.sites > 0 ? options.sites : default_sites(options.mode, tissue.size());
   const std::vector<std::int32_t> sites = choose_sites(ground, tissue, count);
+  if (options.mode == SweepMode::published) {
+    sweep_published(ground, skull, points, tissue, sites, *store, progress, out);
+    return out;
+  }
 
   const Shard shard{options.shard, options.shard_count};
   const bool coarse = options.mode == SweepMode::fast && sites.size() < tissue.size();

@@ -28,11 +28,9 @@ Edge edge_of(std::int32_t a, std::int32_t b) {
 }
 
 /// A linear mesh that is refined edge by edge.
-class Piece {
+class Piece : public TissuePiece {
  public:
-  std::vector<Vec3> nodes;
-  std::vector<std::uint8_t> held, skin;
-  std::vector<Tetrahedron> tets;
+  explicit Piece(TissuePiece piece) : TissuePiece(std::move(piece)) {}
 
   void refine(double tool_radius) {
     around_.resize(nodes.size());
@@ -148,19 +146,21 @@ TissueCutter::TissueCutter(const TissueMesh& tissue)
         tets_of_[n].push_back(static_cast<std::int32_t>(t));
 }
 
-LocalBody TissueCutter::cut(const SiteFrame& frame, double tool_radius) const {
+TissuePiece TissueCutter::take(const SiteFrame& frame, double reach, double near,
+                               Start which) const {
   const auto local = [&](std::int32_t n) -> Vec3 {
     return frame.axes.transpose() * (tissue_.nodes[n] - frame.origin);
   };
   std::int32_t start = -1;
-  double nearest = tool_radius;
+  double nearest = near;
   for (std::size_t n = 0; n < tissue_.skin_points; ++n) {
     const double d = (tissue_.nodes[n] - frame.origin).norm();
+    if (which == Start::free && tissue_.held[n]) continue;
     if (d < nearest && !tets_of_[n].empty()) nearest = d, start = static_cast<std::int32_t>(n);
   }
   if (start < 0) throw SolveError("no flesh at the site");
 
-  Piece piece;
+  TissuePiece piece;
   std::map<std::int32_t, std::int32_t> number;
   std::vector<std::int32_t> open;
   std::set<std::int32_t> taken;
@@ -179,12 +179,17 @@ LocalBody TissueCutter::cut(const SiteFrame& frame, double tool_radius) const {
     for (const std::int32_t t : tets_of_[open[i]]) {
       Vec3 center = Vec3::Zero();
       for (const std::int32_t n : tissue_.tets[t]) center += 0.25 * local(n);
-      if (center.norm() > kReach * tool_radius || !taken.insert(t).second) continue;
+      if (center.norm() > reach || !taken.insert(t).second) continue;
       Tetrahedron corners;
       for (int k = 0; k < 4; ++k) corners[k] = number_of(tissue_.tets[t][k]);
       piece.tets.push_back(corners);
     }
   if (piece.tets.empty()) throw SolveError("no flesh at the site");
+  return piece;
+}
+
+LocalBody TissueCutter::cut(const SiteFrame& frame, double tool_radius) const {
+  Piece piece(take(frame, kReach * tool_radius, tool_radius, Start::any));
   piece.refine(tool_radius);
   return finish(piece, tool_radius);
 }

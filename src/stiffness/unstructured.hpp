@@ -14,6 +14,13 @@ struct LocalBody {
   fem::FaceList touchable;         ///< skin faces that the tool may meet
 };
 
+/// Tetrahedra of the head as they are, in a site's frame; node 0 is skin, the nearest to the site.
+struct TissuePiece {
+  std::vector<Vec3> nodes;
+  std::vector<std::uint8_t> held, skin;  ///< one per node
+  std::vector<Tetrahedron> tets;         ///< flesh
+};
+
 /// Cuts pieces out of one tissue mesh; made once per head.
 class TissueCutter {
  public:
@@ -25,6 +32,14 @@ class TissueCutter {
   /// longest first, with all tetrahedra around them: conforming at every step.
   /// @throws SolveError  where no flesh lies at the site
   [[nodiscard]] LocalBody cut(const SiteFrame& frame, double tool_radius) const;
+
+  enum class Start { any, free };  ///< whether node 0 may be held
+  /// Flesh connected to node 0 whose tetrahedra have their centre within `reach` of the site; the
+  /// cut is free.
+  /// @param near  [mm] within which node 0 must lie
+  /// @throws SolveError  where no flesh lies at the site
+  [[nodiscard]] TissuePiece take(const SiteFrame& frame, double reach, double near,
+                                 Start start) const;
 
  private:
   const TissueMesh& tissue_;

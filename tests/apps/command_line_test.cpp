@@ -164,6 +164,10 @@ TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
        2},
       {{"sweep", kHead.string(), "--shard", "3/2", "--checkpoint", path("c")}, 2},
       {{"sweep", kHead.string(), "--shard", "1/2"}, 2},
+      {{"build", kHead.string(), "-o", out, "--preset", "published", "--mode", "exact"}, 2},
+      {{"build", kHead.string(), "-o", out, "--preset", "published", "--tissue-model", "layered"},
+       2},
+      {{"sweep", kHead.string(), "-o", out, "--reach", "30"}, 2},
       {{"build", kHead.string(), "-o", out, "--landmark", "nose_tip=1;2;3"}, 2},
       {{"inspect", kHead.string()}, 2},
       {{"sculpt"}, 2},
@@ -175,6 +179,16 @@ TEST_F(CommandLine, RefusesInOneLineAndLeavesNothing) {
     EXPECT_EQ(run.out, "");
     EXPECT_FALSE(fs::exists(out));
   }
+  const auto with = [&cases](const std::string& word) {
+    return std::find_if(cases.begin(), cases.end(),
+                        [&](const auto& c) {
+                          return std::find(c.first.begin(), c.first.end(), word) != c.first.end();
+                        })
+        ->first;
+  };
+  EXPECT_NE(palpate(with("layered")).err.find("--tissue-model: `--preset published`"),
+            std::string::npos);
+  EXPECT_NE(palpate(with("--reach")).err.find("--preset published` only"), std::string::npos);
   EXPECT_NE(palpate(cases[6].first).err.find("bad.toml:2"), std::string::npos);
   EXPECT_NE(palpate(cases[8].first).err.find("key.toml:3"), std::string::npos);
   EXPECT_NE(palpate(cases[9].first).err.find("youngs_modulus_kpa is 0"), std::string::npos);
@@ -207,6 +221,30 @@ TEST_F(CommandLine, KilledInTheSweepItGoesOnToTheSameBytes) {
   ASSERT_EQ(resumed.code, 0) << resumed.err;
   EXPECT_EQ(io::head_bytes_without_run(read_file(folder / "resumed.glb"), "resumed"),
             io::head_bytes_without_run(read_file(folder / "whole.glb"), "whole"));
+}
+
+TEST_F(CommandLine, RunsThePublishedRecipeAndSaysWhereItFails) {
+  ASSERT_EQ(palpate({"fit", kHead.string(), "-o", path("skull.ply"), "--quiet"}).code, 0);
+  write_file(folder / "thesis.toml", "preset = \"published\"\nsites = 3\nloads = 1\n");
+  const Outcome run = palpate({"sweep", kHead.string(), "--skull", path("skull.ply"), "--config",
+                               path("thesis.toml"), "--quiet", "--json", "-o", path("head.glb")});
+  ASSERT_EQ(run.code, 0) << run.err;
+  const json head = json::parse(run.out);
+  EXPECT_EQ(head["provenance"]["options"]["preset"], "published");
+  EXPECT_EQ(head["status"]["solved"], 0);  // 5 N on one node
+  EXPECT_GT(head["status"]["inverted"], 1000);
+  ASSERT_EQ(head["provenance"]["published_sites"].size(), 3u);
+  EXPECT_GT(head["provenance"]["published_sites"][0]["inverted_tets"][0], 0);
+
+  const TouchableHead file = io::read_head(folder / "head.glb");
+  EXPECT_EQ(std::count(file.map.method.begin(), file.map.method.end(), SolveMethod::published), 3);
+  const Outcome inspect = palpate({"inspect", path("head.glb")});
+  EXPECT_NE(inspect.out.find("inverted: "), std::string::npos);
+  EXPECT_NE(inspect.out.find("published recipe, 3 sites"), std::string::npos);
+  const Outcome report =
+      palpate({"report", path("head.glb"), "-o", path("report.html"), "--quiet"});
+  ASSERT_EQ(report.code, 0) << report.err;
+  EXPECT_NE(read_file(folder / "report.html").find("The published recipe"), std::string::npos);
 }
 
 TEST_F(CommandLine, StopsOnInterruptAndLeavesNothing) {
