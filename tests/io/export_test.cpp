@@ -90,7 +90,7 @@ TEST(Export, MapPlyIsAPlyWithTheMapAsProperties) {
   EXPECT_EQ(scan.mesh.points[9], 8 * head.skin.points[9]);
   const std::string bytes = read_file(folder.path / "map.ply");
   const ParsedMesh u = parse_ply({"map.ply", bytes, {}}, "u_4");
-  EXPECT_EQ(u.property[5], head.map.curve(5)[3]);
+  EXPECT_EQ(u.property[7], head.map.curve(7)[3]);
   const ParsedMesh region = parse_ply({"map.ply", bytes, {}}, "region");
   EXPECT_EQ(region.property[8], static_cast<double>(head.map.region[8]));
 }
@@ -124,8 +124,8 @@ TEST(Export, VtkArraysCarryTheirLengthAndValues) {
   const std::string u = vtk_array(text, "u_3");
   ASSERT_EQ(u.size(), 4 * head.map.size());
   float value = 0;
-  std::memcpy(&value, u.data() + 4 * 5, 4);
-  EXPECT_EQ(value, static_cast<float>(head.map.curve(5)[2]));
+  std::memcpy(&value, u.data() + 4 * 7, 4);
+  EXPECT_EQ(value, static_cast<float>(head.map.curve(7)[2]));
   EXPECT_EQ(vtk_array(text, "connectivity").size(), 24 * head.skin.triangles.size());
   EXPECT_EQ(vtk_array(text, "status").size(), head.map.size());
   write_tissue(folder.path / "t.vtu", sample_tissue());
