@@ -154,8 +154,14 @@ class Presser {
                                                            fem::lanes::best_instruction_set());
     std::vector<SiteCurve> curves;
     for (fem::lanes::LaneCurve& lane : workspace->press(patches, radius(), kind.forces, kind.rings))
-      curves.push_back({std::move(lane.travel), std::move(lane.sunk), SolveMethod::batch, false,
-                        lane.iterations, lane.shifts, 0, {}});
+      curves.push_back({std::move(lane.travel),
+                        std::move(lane.sunk),
+                        SolveMethod::batch,
+                        false,
+                        lane.iterations,
+                        lane.shifts,
+                        0,
+                        {}});
     return curves;
   }
 

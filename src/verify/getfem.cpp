@@ -64,7 +64,12 @@ std::vector<Field> read_fields(const fs::path& file, std::size_t nodes) {
 Section compare_getfem(const VerifyOptions& options, const Progress& progress) {
   Section s{
       "getfem", "The same slab in GetFEM",
-      "12 mm of flesh bonded to a floor, 1, 2.5 and 4 N as a smooth pressure of radius 8 mm. "
+      "12 mm of flesh bonded to a floor, under a smooth pressure of radius 8 mm that keeps its "
+      "direction. Under such a load 10-node elements have more than one equilibrium from about 2.5 "
+      "N "
+      "on (the skin folds into the dent), and two solvers may find different ones; they are "
+      "compared "
+      "below that. "
       "GetFEM gets the tetrahedra and the nodal forces; shape functions, assembly, the "
       "neo-Hookean energy (written in its weak-form language) and Newton are its own. Largest "
       "difference of any node over the largest displacement."};
@@ -76,7 +81,9 @@ Section compare_getfem(const VerifyOptions& options, const Progress& progress) {
                                  ? "GetFEM, 4-node elements, whole field"
                                  : "GetFEM, 10-node elements, whole field";
     if (options.quick && order == ElementOrder::quadratic) continue;
-    const SlabCase scene = slab_case(order, {1, 2.5, 4});
+    const SlabCase scene =
+        slab_case(order, order == ElementOrder::linear ? std::vector<double>{1, 2.5, 4}
+                                                       : std::vector<double>{0.5, 1, 1.5});
     const tetmesh::TemporaryFolder folder;
     const fs::path script = folder.path() / "slab.py", in = folder.path() / "case",
                    out = folder.path() / "answer";
