@@ -75,7 +75,8 @@ std::string summary_text(const TouchableHead& head, const Command& command,
     text += fmt::format("repair: {}\n", line.get<std::string>());
   for (const auto& line : head.provenance["warnings"])
     text += fmt::format("warning: {}\n", line.get<std::string>());
-  text += "stiffness at 2 N [N/mm], stiff to soft:";
+  text += summary.order.empty() ? "stiffness at 2 N: no region has curves"
+                                : "stiffness at 2 N [N/mm], stiff to soft:";
   for (const SkinRegion r : summary.order)
     for (const auto& f : summary.regions)
       if (f.region == r) text += fmt::format(" {} {:.2f}", name(r), f.stiffness);

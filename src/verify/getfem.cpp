@@ -65,11 +65,9 @@ Section compare_getfem(const VerifyOptions& options, const Progress& progress) {
   Section s{
       "getfem", "The same slab in GetFEM",
       "12 mm of flesh bonded to a floor, under a smooth pressure of radius 8 mm that keeps its "
-      "direction. Under such a load 10-node elements have more than one equilibrium from about 2.5 "
-      "N "
-      "on (the skin folds into the dent), and two solvers may find different ones; they are "
-      "compared "
-      "below that. "
+      "direction. With 10-node elements the two solvers were seen to end in different equilibria "
+      "at "
+      "2.5 and 4 N; what is compared there is smaller. "
       "GetFEM gets the tetrahedra and the nodal forces; shape functions, assembly, the "
       "neo-Hookean energy (written in its weak-form language) and Newton are its own. Largest "
       "difference of any node over the largest displacement."};
