@@ -80,7 +80,8 @@ std::string svg(const LinePlot& plot) {
       if (s.markers)
         for (const PixelPoint& p : part) out.circle(p, 2.6, colors[i]);
     }
-    if (!parts.empty()) labels.push_back({i, parts.back().back(), parts.back().back().y});
+    if (!parts.empty() && !s.name.empty())
+      labels.push_back({i, parts.back().back(), parts.back().back().y});
   }
   spread(labels, frame.bottom);
   for (const EndLabel& label : labels) {

@@ -53,11 +53,15 @@ std::string site_curves(const TouchableHead& head, const std::vector<Site>& site
   figure.y_label = "displacement of the pushed node [mm]";
   for (const Site& s : sites) {
     plot::Series good{"", {0}, {0}, "#14457f", ""}, bad{"", {}, {}, "#d6332e", "3 3"};
-    bad.markers = false;
     for (std::size_t i = 0; i < s.u.size(); ++i) {
+      if (!s.good(i) && bad.x.empty()) {  // from the last point that means something
+        bad.x = {good.x.back()};
+        bad.y = {good.y.back()};
+      }
       (s.good(i) ? good : bad).x.push_back(head.map.forces[i]);
       (s.good(i) ? good : bad).y.push_back(s.u[i]);
     }
+    bad.markers = false;
     if (!bad.x.empty()) figure.series.push_back(std::move(bad));
     if (good.x.size() > 1) figure.series.push_back(std::move(good));
   }
