@@ -8,6 +8,8 @@
 #include <atomic>
 #include <chrono>
 #include <filesystem>
+#include <fstream>
+#include <string>
 #include <thread>
 
 #include "haptics/loop.hpp"
@@ -113,6 +115,47 @@ class BareSleeper {
   std::thread thread_;
 };
 
+/// [jiffy] of all processors since the machine started: what a virtual machine's host gave to
+/// others while this one wanted to run, and everything.
+struct ProcessorTime {
+  double stolen = 0, all = 0;
+};
+ProcessorTime processor_time() {
+  std::ifstream file("/proc/stat");
+  std::string word;
+  file >> word;
+  ProcessorTime t;
+  constexpr int kSteal = 7, kColumns = 8;  // the columns after them are part of the first ones
+  double value = 0;
+  for (int i = 0; i < kColumns && file >> value; ++i) {
+    t.all += value;
+    if (i == kSteal) t.stolen = value;
+  }
+  return t;
+}
+
+/// Judges nothing: what of the lateness is the machine's.
+void compare_with_bare(const LoopReport& loop, const BareSleeper& bare, const ProcessorTime& before,
+                       Table& table) {
+  table.note(
+      fmt::format("  a thread that only sleeps, beside it: {:.3f} % late by > 1 ms; median "
+                  "{:.0f}  99.9 % {:.0f}  longest {:.0f} us",
+                  100 * bare.late_above_1ms(), bare.lateness().quantile_us(0.5),
+                  bare.lateness().quantile_us(0.999), bare.lateness().longest_us()));
+  const ProcessorTime now = processor_time();
+  const double all = now.all - before.all;
+  table.note(fmt::format(
+      "  the loop beyond it: {:+.3f} % late by > 1 ms; median {:+.0f}  99.9 % {:+.0f}  longest "
+      "{:+.0f} us; {}",
+      100 * (loop.late_above_1ms - bare.late_above_1ms()),
+      loop.late_median_us - bare.lateness().quantile_us(0.5),
+      loop.late_p999_us - bare.lateness().quantile_us(0.999),
+      loop.late_longest_us - bare.lateness().longest_us(),
+      all > 0 ? fmt::format("the host took {:.2f} % of the processors' time (steal)",
+                            100 * (now.stolen - before.stolen) / all)
+              : std::string("the machine does not tell its steal time")));
+}
+
 void print_histogram(const DurationHistogram& histogram, Table& table) {
   constexpr int kOctave = 8;  // buckets
   for (int i = 0; i + kOctave < DurationHistogram::kBuckets; i += kOctave) {
@@ -141,6 +184,7 @@ void keep_time(const TouchScene& scene, int seconds, int priority, Table& table)
   options.priority = priority;
   TouchLoop loop(cycle, options);
   std::uint64_t bytes = 0;
+  const ProcessorTime before = processor_time();
   loop.start();
   BareSleeper bare(priority);
   {
@@ -167,11 +211,7 @@ void keep_time(const TouchScene& scene, int seconds, int priority, Table& table)
                         r.tick_median_us, r.tick_p999_us, r.tick_longest_us, r.skipped,
                         bytes / 1024, recorder.written(), recorder.dropped()),
             r.late_above_1ms <= 1e-3);
-  table.note(
-      fmt::format("  a thread that only sleeps, beside it: {:.3f} % late by > 1 ms; median "
-                  "{:.0f}  99.9 % {:.0f}  longest {:.0f} us",
-                  100 * bare.late_above_1ms(), bare.lateness().quantile_us(0.5),
-                  bare.lateness().quantile_us(0.999), bare.lateness().longest_us()));
+  compare_with_bare(r, bare, before, table);
   for (const std::string& warning : r.warnings) table.note(warning);
   print_histogram(loop.lateness(), table);
 }
