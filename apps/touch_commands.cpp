@@ -84,8 +84,14 @@ void add_loop_options(CLI::App* sub, const std::shared_ptr<TouchCommand>& t) {
   sub->add_option("--priority", o.priority, "real-time priority, 1 to 99; 0 asks for none")
       ->check(CLI::Range(0, 99))
       ->capture_default_str();
-  sub->add_option("--region", o.region,
-                  "turn the head so that this region lies under the device; also on the page");
+  sub->add_option(
+      "--region", o.region,
+      "turn the head so that this region lies under the device, or shows on the page; the "
+      "simulated hand stays on it. Also on the page");
+  sub->add_option("--preset", o.preset,
+                  "published: the Falcon as in the published study, at most 8.7 N")
+      ->check(CLI::IsMember({"default", "published"}))
+      ->capture_default_str();
   sub->add_option("--workspace-scale", o.workspace_scale, "mm of head per mm of device")
       ->check(CLI::Range(0.1, 10.0))
       ->capture_default_str();
@@ -95,7 +101,9 @@ void add_loop_options(CLI::App* sub, const std::shared_ptr<TouchCommand>& t) {
       ->capture_default_str();
   sub->add_flag("--no-passivity", t->no_passivity, "switch the passivity controller off");
   sub->add_option("--record", o.record, "write every tick to this file; see `palpate replay`");
-  sub->add_flag("--report", t->report, "at the end, how late the loop was and how long ticks took");
+  sub->add_flag("--report", t->report,
+                "at the end, how late the loop was, how long ticks took, and what watchdog and "
+                "passivity controller did");
   sub->add_flag("--no-page", t->no_page, "no server; the device alone");
 }
 
@@ -253,11 +261,15 @@ void run_replay(const Command& c, const ReplayCommand& r) {
     result["replay"] = {{"ticks", same.ticks},
                         {"different", same.different},
                         {"largest_difference_n", same.largest_difference},
-                        {"gaps", same.gaps}};
+                        {"gaps", same.gaps},
+                        {"passivity_ticks", same.damped},
+                        {"passivity_removed_n_mm", same.removed}};
     text += fmt::format("{} of {} forces differ in a bit{}\n", same.different, same.ticks,
                         same.different ? fmt::format(", first at tick {}, at most {:.3g} N",
                                                      same.first_different, same.largest_difference)
                                        : "");
+    text += fmt::format("the passivity controller acted in {} ticks and took out {:.2f} N mm\n",
+                        same.damped, same.removed);
   }
   print_result(c, result, text);
 }

@@ -4,9 +4,11 @@
 #include <fmt/format.h>
 #include <spawn.h>
 
+#include <algorithm>
 #include <chrono>
 #include <cstdlib>
 #include <memory>
+#include <optional>
 #include <thread>
 
 #include "core/atomic_file.hpp"
@@ -44,11 +46,27 @@ OpenedDevice open_pointer(double rate_hz) {
   return {std::move(pointer), raw};
 }
 
-/// A hand that visits every region, again and again.
-std::unique_ptr<Device> open_simulated(const std::string& spec, const TouchModel& model,
-                                       double rate_hz) {
+std::optional<SkinRegion> region_named(const std::string& name, const TouchModel& model) {
+  if (name.empty()) return {};
+  for (std::size_t r = 0; r < kSkinRegionNames.size(); ++r) {
+    if (kSkinRegionNames[r] != name) continue;
+    const auto region = static_cast<SkinRegion>(r);
+    if (std::find(model.region.begin(), model.region.end(), region) == model.region.end())
+      throw InputError(fmt::format("--region {}: this head has none", name));
+    return region;
+  }
+  throw InputError(
+      fmt::format("--region {}: there is no such region; one of cranium, forehead, "
+                  "eyebrow, cheekbone, cheek, chin, jaw, eye, nose, lips, ear, neck",
+                  name));
+}
+
+/// A hand that visits every region, again and again, or stays on one.
+std::unique_ptr<Device> open_simulated(const TouchOptions& o, const TouchModel& model,
+                                       std::optional<SkinRegion> region) {
+  const std::string& spec = o.device;
   haptics::SimulatedHandOptions options;
-  options.rate_hz = rate_hz;
+  options.rate_hz = o.rate_hz;
   options.repeat = true;
   const std::size_t colon = spec.find(':');
   if (colon != std::string::npos) {
@@ -62,12 +80,15 @@ std::unique_ptr<Device> open_simulated(const std::string& spec, const TouchModel
   }
   constexpr double kForce = 2;  // [N] a probing finger's
   return std::make_unique<haptics::SimulatedHand>(
-      haptics::region_tour(model, kForce, options.stiffness), options);
+      region ? haptics::region_press(model, *region, kForce, options.stiffness)
+             : haptics::region_tour(model, kForce, options.stiffness),
+      options);
 }
 
-OpenedDevice open(const TouchOptions& o, const TouchModel& model, const Say& say) {
+OpenedDevice open(const TouchOptions& o, const TouchModel& model, std::optional<SkinRegion> region,
+                  const Say& say) {
   if (o.device == "pointer") return open_pointer(o.rate_hz);
-  if (o.device.starts_with("simulated")) return {open_simulated(o.device, model, o.rate_hz)};
+  if (o.device.starts_with("simulated")) return {open_simulated(o, model, region)};
   try {
     return {haptics::open_device(o.device)};
   } catch (const InputError& error) {
@@ -78,20 +99,24 @@ OpenedDevice open(const TouchOptions& o, const TouchModel& model, const Say& say
   }
 }
 
-SkinRegion region_named(const std::string& name) {
-  for (std::size_t r = 0; r < kSkinRegionNames.size(); ++r)
-    if (kSkinRegionNames[r] == name) return static_cast<SkinRegion>(r);
-  throw InputError(
-      fmt::format("--region {}: there is no such region; one of cranium, forehead, "
-                  "eyebrow, cheekbone, cheek, chin, jaw, eye, nose, lips, ear, neck",
-                  name));
+/// The published study's clamp, unless the device itself reports another limit.
+haptics::DeviceLimits limits_for(const TouchOptions& o, const Device& device) {
+  const haptics::DeviceLimits& own = device.info().limits;
+  if (o.preset != "published") return own;
+  const haptics::DeviceLimits falcon = *haptics::limits_of("falcon");
+  if (own.name != falcon.name)
+    throw InputError(
+        fmt::format("--preset published is the Novint Falcon's; this device is {}. Try --device "
+                    "simulated:falcon",
+                    device.info().name));
+  return own.peak_force == falcon.peak_force ? haptics::published_preset() : own;
 }
 
-haptics::Workspace place(const TouchOptions& o, const TouchModel& model, const Device& device) {
+haptics::Workspace place(const TouchOptions& o, const TouchModel& model,
+                         std::optional<SkinRegion> region, const Device& device) {
   // The simulated hand's path and the pointer's places are in the head's own frame.
   if (device.info().backend == "simulated" || device.info().backend == "pointer") return {};
-  if (!o.region.empty())
-    return haptics::aimed_at(model, region_named(o.region), device.info(), o.workspace_scale);
+  if (region) return haptics::aimed_at(model, *region, device.info(), o.workspace_scale);
   return haptics::facing(model, device.info(), 20, o.workspace_scale);
 }
 
@@ -122,12 +147,34 @@ void open_browser(const std::string& url) {
   (void)posix_spawnp(&child, program.c_str(), nullptr, nullptr, arguments, environ);
 }
 
-void wait(const TouchOptions& o, const Progress& stop) {
+/// Says what happens to a device, once: a hand that feels nothing must not have to guess why.
+class DeviceWatch {
+ public:
+  DeviceWatch(const haptics::TouchCycle& cycle, const Say& say) : cycle_(cycle), say_(say) {}
+  void look() {
+    const haptics::DeviceStatus now = cycle_.latest().device;
+    if (now == last_ || now == haptics::DeviceStatus::waiting) return;
+    const bool first = last_ == haptics::DeviceStatus::waiting;
+    last_ = now;
+    if (now == haptics::DeviceStatus::ok && first) return;
+    const std::string why =
+        now == haptics::DeviceStatus::ok ? std::string() : cycle_.device().trouble();
+    say_(fmt::format("device {}{}{}", haptics::name(now), why.empty() ? "" : ": ", why));
+  }
+
+ private:
+  const haptics::TouchCycle& cycle_;
+  const Say& say_;
+  haptics::DeviceStatus last_ = haptics::DeviceStatus::waiting;
+};
+
+void wait(const TouchOptions& o, const Progress& stop, DeviceWatch watch) {
   using clock = std::chrono::steady_clock;
   const auto end = clock::now() + std::chrono::duration<double>(o.seconds);
   try {
     while (o.seconds <= 0 || clock::now() < end) {
       stop.step("touch", 0);
+      watch.look();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   } catch (const Cancelled&) {
@@ -136,7 +183,9 @@ void wait(const TouchOptions& o, const Progress& stop) {
 }
 
 json describe(const haptics::LoopReport& r) {
-  json trips = json::object();
+  json trips = json::object(), histogram = json::array();
+  for (const haptics::HistogramRow& row : r.histogram)
+    histogram.push_back({{"below_us", row.below_us}, {"late", row.late}, {"tick", row.tick}});
   for (std::size_t i = 1; i < r.trips.size(); ++i)
     trips[std::string(haptics::kTripNames[i])] = r.trips[i];
   return {
@@ -148,6 +197,8 @@ json describe(const haptics::LoopReport& r) {
       {"late_above_1ms", r.late_above_1ms},
       {"tick_us",
        {{"median", r.tick_median_us}, {"p999", r.tick_p999_us}, {"longest", r.tick_longest_us}}},
+      {"histogram", histogram},
+      {"passivity_removed_n_mm", r.removed},
       {"watchdog", trips},
       {"guarded", r.guarded},
       {"warnings", r.warnings},
@@ -172,9 +223,10 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
   haptics::TouchModelOptions model_options;
   model_options.tool_radius = o.tool_radius;
   const TouchModel model = haptics::make_touch_model(head, model_options);
-  const OpenedDevice opened = open(o, model, say);
+  const auto region = region_named(o.region, model);
+  const OpenedDevice opened = open(o, model, region, say);
   Device& device = *opened.device;
-  const haptics::TickSetup setup = haptics::make_tick_setup(model, device.info().limits, o.tick);
+  const haptics::TickSetup setup = haptics::make_tick_setup(model, limits_for(o, device), o.tick);
   for (const auto* list : {&model.warnings, &setup.warnings})
     for (const std::string& w : *list) say("warning: " + w);
   std::unique_ptr<haptics::Recorder> recorder;
@@ -183,7 +235,8 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
   haptics::CycleOptions cycle_options;
   // A late tick frightens nobody who holds a mouse; with a device the strict limit stays.
   if (opened.pointer) cycle_options.late = 0.25;
-  haptics::TouchCycle cycle(setup, device, place(o, model, device), cycle_options, recorder.get());
+  haptics::TouchCycle cycle(setup, device, place(o, model, region, device), cycle_options,
+                            recorder.get());
   haptics::LoopOptions loop_options;
   loop_options.rate_hz = o.rate_hz;
   loop_options.priority = o.priority;
@@ -192,6 +245,7 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
   serve::LiveFacts facts;
   facts.head_name = o.head.filename().string();
   facts.recording = o.record.string();
+  facts.look_at = region;
   facts.warnings = model.warnings;
   facts.warnings.insert(facts.warnings.end(), setup.warnings.begin(), setup.warnings.end());
   serve::LiveTouch live(cycle, loop, opened.pointer, recorder.get(), facts);
@@ -211,7 +265,7 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
     say("open " + server->url());
     if (o.open_browser) open_browser(server->url());
   }
-  wait(o, stop);
+  wait(o, stop, {cycle, say});
   server.reset();
   loop.stop();
   result["loop"] = describe(loop.report());

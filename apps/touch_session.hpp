@@ -15,11 +15,12 @@ struct TouchOptions {
   std::filesystem::path head;
   /// "auto", "pointer", "simulated", "simulated:falcon" or what haptics::open_device() takes
   std::string device = "auto";
-  double rate_hz = 1000;       ///< [Hz] of the loop
-  int priority = 80;           ///< SCHED_FIFO; 0 asks for nothing
-  double tool_radius = 0;      ///< [mm] 0: the map's
-  std::string region;          ///< where the device's workspace is put; empty: the face
-  double workspace_scale = 1;  ///< [-] millimetres of head per millimetre of device
+  double rate_hz = 1000;           ///< [Hz] of the loop
+  int priority = 80;               ///< SCHED_FIFO; 0 asks for nothing
+  double tool_radius = 0;          ///< [mm] 0: the map's
+  std::string region;              ///< where the device's workspace is put; empty: the face
+  std::string preset = "default";  ///< "published": the Falcon's row at 8.7 N
+  double workspace_scale = 1;      ///< [-] millimetres of head per millimetre of device
   haptics::TickOptions tick;
   std::filesystem::path record;  ///< empty: none
   std::string address = "127.0.0.1";

@@ -19,6 +19,30 @@ void bump(std::atomic<std::uint64_t>& count, std::uint64_t by) noexcept {
   count.store(count.load(std::memory_order_relaxed) + by, std::memory_order_relaxed);
 }
 
+// A row an octave; the buckets are an eighth of one.
+std::vector<HistogramRow> octaves(const DurationHistogram& late, const DurationHistogram& tick) {
+  constexpr int kOctave = 8;
+  std::vector<HistogramRow> rows;
+  for (int i = 0; i + kOctave < DurationHistogram::kBuckets; i += kOctave) {
+    HistogramRow row{DurationHistogram::upper_us(i + kOctave), 0, 0};
+    for (int k = i == 0 ? 0 : i + 1; k <= i + kOctave; ++k) {
+      row.late += late.count(k);
+      row.tick += tick.count(k);
+    }
+    if (!rows.empty() || row.late + row.tick > 0) rows.push_back(row);
+  }
+  while (!rows.empty() && rows.back().late + rows.back().tick == 0) rows.pop_back();
+  return rows;
+}
+
+std::string histogram_text(const std::vector<HistogramRow>& rows) {
+  if (rows.empty()) return {};
+  std::string out = fmt::format("{:>14} {:>12} {:>12}\n", "below", "late", "tick time");
+  for (const HistogramRow& row : rows)
+    out += fmt::format("{:>11.1f} us {:>12} {:>12}\n", row.below_us, row.late, row.tick);
+  return out;
+}
+
 }  // namespace
 
 TouchLoop::TouchLoop(TouchCycle& cycle, const LoopOptions& options)
@@ -116,6 +140,8 @@ LoopReport TouchLoop::report() const {
   r.tick_median_us = tick_time_.quantile_us(0.5);
   r.tick_p999_us = tick_time_.quantile_us(0.999);
   r.tick_longest_us = tick_time_.longest_us();
+  r.histogram = octaves(lateness_, tick_time_);
+  r.removed = cycle_.latest().removed;
   for (std::size_t i = 0; i < r.trips.size(); ++i) r.trips[i] = cycle_.trips(static_cast<Trip>(i));
   if (ready_.load(std::memory_order_acquire)) r.warnings = warnings_;
   return r;
@@ -137,7 +163,8 @@ std::string text(const LoopReport& r) {
   }
   if (r.guarded > 0) out += fmt::format(" {} x released by the guard", r.guarded);
   if (!any) out += " never acted";
-  out += '\n';
+  out += fmt::format("\npassivity  {:.2f} N mm taken out\n", r.removed);
+  out += histogram_text(r.histogram);
   for (const std::string& w : r.warnings) out += "warning: " + w + '\n';
   return out;
 }

@@ -18,6 +18,13 @@ struct LoopOptions {
   double guard = 0.005;  ///< [s] a second thread releases the device when a tick overruns this; > 0
 };
 
+/// How many deadlines were late by less than `below_us` and ticks took less, but not less than the
+/// row before says.
+struct HistogramRow {
+  double below_us = 0;
+  std::uint64_t late = 0, tick = 0;
+};
+
 struct LoopReport {
   double rate_hz = 0;
   std::uint64_t ticks = 0;
@@ -28,6 +35,8 @@ struct LoopReport {
   /// [-] share of deadlines whose tick came more than 1 ms late, or never; counted exactly.
   double late_above_1ms = 0;
   double tick_median_us = 0, tick_p999_us = 0, tick_longest_us = 0;  ///< with the device's transfer
+  std::vector<HistogramRow> histogram;  ///< octaves of time, ascending; from the first that counts
+  double removed = 0;                   ///< [N mm] energy that the passivity controller took out
   std::array<std::uint64_t, kTripNames.size()> trips{};
   std::vector<std::string> warnings;
 };

@@ -127,7 +127,10 @@ ReplayResult replay(const Recording& recording, const TouchModel& model) {
     if (state.in_contact && std::any_of(corners.begin(), corners.end(), unknown))
       throw InputError("the recording names a point that this head does not have");
     for (const RecordedTick& t : block.ticks) {
+      const double before = state.removed;
       const TickOutput out = tick(setup, t.input, state);
+      if (out.damped > 0) ++result.damped;
+      result.removed += state.removed - before;
       if (std::memcmp(out.force.data(), t.force.data(), 3 * sizeof(double)) != 0) {
         if (result.different++ == 0) result.first_different = result.ticks;
         result.largest_difference =

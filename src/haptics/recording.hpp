@@ -63,6 +63,8 @@ struct ReplayResult {
   double largest_difference = 0;    ///< [N]
   std::size_t first_different = 0;  ///< index of the tick; meaningful where different > 0
   std::size_t gaps = 0;             ///< blocks that follow lost ticks
+  std::size_t damped = 0;           ///< ticks whose force the passivity controller changed
+  double removed = 0;               ///< [N mm] energy that it took out in these ticks
 };
 /// Runs the recorded inputs through tick() and compares the forces.
 /// @throws InputError  the model is not the one that was touched

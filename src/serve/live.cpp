@@ -132,6 +132,7 @@ json LiveTouch::hello() const {
           {"colors", colors()},
           {"fingerprint", fmt::format("{:016x}", setup.model->fingerprint)},
           {"recording", facts_.recording},
+          {"look_at", facts_.look_at ? json(static_cast<int>(*facts_.look_at)) : json()},
           {"warnings", facts_.warnings}};
 }
 
@@ -152,6 +153,7 @@ json LiveTouch::health() const {
               {"tick_p999_us", r.tick_p999_us},
               {"tick_longest_us", r.tick_longest_us},
               {"guarded", r.guarded},
+              {"passivity_removed_n_mm", r.removed},
               {"trips", trips},
               {"warnings", pointer_ ? json::array() : json(r.warnings)},  // a mouse needs no rights
               {"device", haptics::name(cycle_.latest().device)},

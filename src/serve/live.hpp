@@ -3,6 +3,7 @@
 // through its lock-free exchange only; nothing here can hold it up.
 #pragma once
 #include <nlohmann/json.hpp>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -32,7 +33,8 @@ struct PressPlace {
 struct LiveFacts {
   std::string head_name;  ///< file name, for the title
   std::vector<std::string> warnings;
-  std::string recording;  ///< file, empty for none
+  std::string recording;                   ///< file, empty for none
+  std::optional<SkinRegion> look_at = {};  ///< where pages look first; nothing: the face
 };
 
 /// All members are for one thread: the server's.

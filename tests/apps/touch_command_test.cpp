@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <cstdlib>
 #include <filesystem>
 #include <nlohmann/json.hpp>
 
@@ -55,6 +56,13 @@ TEST_F(TouchCommands, ARecordedTouchReplaysBitForBit) {
   const json report = json::parse(touch.out);
   EXPECT_GT(report["loop"]["ticks"].get<int>(), 100);
   EXPECT_EQ(report["recording"]["dropped"], 0);
+  std::uint64_t late = 0, ticks = 0;
+  for (const json& row : report["loop"]["histogram"]) {
+    late += row["late"].get<std::uint64_t>();
+    ticks += row["tick"].get<std::uint64_t>();
+  }
+  EXPECT_EQ(late, report["loop"]["ticks"].get<std::uint64_t>()) << "every deadline is in a row";
+  EXPECT_EQ(ticks, late);
   const std::string csv = (folder_ / "visit.csv").string();
   const Said replay =
       palpate("replay " + recording_ + " --head " + head_ + " --csv " + csv + " --json");
@@ -62,9 +70,37 @@ TEST_F(TouchCommands, ARecordedTouchReplaysBitForBit) {
   const json again = json::parse(replay.out);
   EXPECT_EQ(again["ticks"], report["recording"]["ticks"]);
   EXPECT_EQ(again["replay"]["different"], 0);
+  EXPECT_NEAR(again["replay"]["passivity_removed_n_mm"].get<double>(),
+              report["loop"]["passivity_removed_n_mm"].get<double>(), 1e-9);
   EXPECT_TRUE(read_file(csv).starts_with("time_s,"));
   io::write_head(head_, haptics::scenes::even_sphere(20, 90, 0.9));
   EXPECT_EQ(palpate("replay " + recording_ + " --head " + head_).code, 2) << "another head";
+}
+
+TEST_F(TouchCommands, TheReportShowsTheHistogram) {
+  const Said touch =
+      palpate("touch " + head_ + " --device simulated --seconds 0.3 --no-page --report");
+  ASSERT_EQ(touch.code, 0);
+  for (const char* word : {"lateness", "watchdog", "passivity", "below", " us "})
+    EXPECT_NE(touch.out.find(word), std::string::npos) << word << "\n" << touch.out;
+}
+
+TEST_F(TouchCommands, ARegionIsWhereTheHandStays) {
+  const std::string touch = "touch " + head_ + " --no-page --seconds 1.5 --json --device ";
+  ASSERT_EQ(palpate(touch + "simulated --region forehead --record " + recording_).code, 0);
+  const std::string csv = (folder_ / "visit.csv").string();
+  ASSERT_EQ(palpate("replay " + recording_ + " --csv " + csv).code, 0);
+  EXPECT_NE(read_file(csv).find(",1,forehead,"), std::string::npos);
+  EXPECT_EQ(palpate(touch + "pointer --region nowhere").code, 2);
+  EXPECT_EQ(palpate(touch + "pointer --region lips").code, 2) << "the sphere has no lips";
+}
+
+TEST_F(TouchCommands, ThePublishedPresetIsTheFalcons) {
+  const std::string touch =
+      "touch " + head_ + " --no-page --seconds 0.2 --preset published --device ";
+  ASSERT_EQ(palpate(touch + "simulated:falcon --record " + recording_).code, 0);
+  EXPECT_NE(read_file(recording_).find("\"peak_force_n\":8.7"), std::string::npos);
+  EXPECT_EQ(palpate(touch + "simulated:omega").code, 2);
 }
 
 TEST_F(TouchCommands, FeelGivesTheCurvesForce) {
@@ -93,6 +129,30 @@ TEST_F(TouchCommands, RefusesWhatCannotBe) {
             2);
   EXPECT_EQ(palpate("touch " + head_ + " --no-page --seconds 1 --rate 50").code, 2);
   EXPECT_EQ(palpate("replay " + head_).code, 2);
+}
+
+// The vendor's library is found by its name where the loader looks, as for a user.
+TEST_F(TouchCommands, ADeviceIsFoundFeltAndItsLossTold) {
+  const fs::path libraries = folder_ / "lib";
+  fs::create_directories(libraries);
+  fs::create_symlink(FAKE_DHD, libraries / "libdhd.so.3");
+  const char* search = std::getenv("LD_LIBRARY_PATH");
+  const std::string before = search ? search : "";
+  ::setenv("LD_LIBRARY_PATH", (libraries.string() + ":" + before).c_str(), 1);
+  ::setenv("FAKE_DHD_LOST_AFTER", "300", 1);
+  const json all = json::parse(palpate("devices --json").out);
+  const Said touch = palpate("touch " + head_ + " --no-page --seconds 1 --priority 0");
+  const Said published = palpate(
+      "touch " + head_ + " --no-page --seconds 0.2 --preset published --record " + recording_);
+  ::unsetenv("FAKE_DHD_LOST_AFTER");
+  ::setenv("LD_LIBRARY_PATH", before.c_str(), 1);
+  EXPECT_EQ(all[1]["device"], "force-dimension:0");
+  EXPECT_TRUE(all[1]["usable"].get<bool>()) << all[1];
+  EXPECT_EQ(touch.code, 0);
+  EXPECT_NE(touch.out.find("device: Novint Falcon"), std::string::npos) << touch.out;
+  EXPECT_NE(touch.out.find("device lost: fake error"), std::string::npos) << touch.out;
+  EXPECT_EQ(published.code, 0);
+  EXPECT_NE(read_file(recording_).find("\"peak_force_n\":8.7"), std::string::npos);
 }
 
 TEST_F(TouchCommands, DevicesSayWhatIsMissing) {

@@ -3,7 +3,15 @@
 // function, as an old library does.
 #include "fake_dhd.hpp"
 
+#include <cstdlib>
+
 static FakeDhd fake;
+
+// For tests that cannot reach `fake`: reads until the device is gone.
+static long reads_left() {
+  const char* text = std::getenv("FAKE_DHD_LOST_AFTER");
+  return text ? std::atol(text) : -1;
+}
 
 extern "C" {
 FakeDhd* fake_dhd() {
@@ -27,6 +35,9 @@ int dhdClose(char id) {
   return 0;
 }
 int dhdGetPosition(double* x, double* y, double* z, char id) {
+  static long left = reads_left();
+  if (left == 0) fake.position_result = -1;
+  if (left > 0) --left;
   fake.position_id = id;
   *x = fake.position[0];
   *y = fake.position[1];

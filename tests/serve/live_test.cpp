@@ -150,6 +150,14 @@ TEST_F(Live, StateHoldsWhatTheTickSays) {
   EXPECT_GE(number(50 + i), number(15) - 1e-12);
 }
 
+TEST_F(Live, HelloTellsTheRegionToLookAtFirst) {
+  EXPECT_TRUE(s_.live.hello()["look_at"].is_null());
+  LiveFacts facts;
+  facts.look_at = SkinRegion::cheek;
+  const LiveTouch other(s_.cycle, s_.loop, nullptr, nullptr, facts);
+  EXPECT_EQ(other.hello()["look_at"], static_cast<int>(SkinRegion::cheek));
+}
+
 TEST_F(Live, PauseZeroesTheForce) {
   s_.live.apply(press(Vec3(0, 0, 95), 3, true), 1);
   run(1000);
