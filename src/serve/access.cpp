@@ -53,7 +53,7 @@ bool names_this_machine(std::string_view host) {
     return name.substr(0, end + 1) == "[::1]" && (after.empty() || after.front() == ':');
   }
   name = name.substr(0, name.find(':'));
-  return name == "localhost" || name == "127.0.0.1";
+  return name == "localhost" || is_loopback(std::string(name));
 }
 
 bool is_loopback(const std::string& address) {

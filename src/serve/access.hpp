@@ -35,7 +35,7 @@ enum class Verdict {
 [[nodiscard]] std::string_view path_of(std::string_view target);
 /// Value of `name` in the query, as written; empty where missing.
 [[nodiscard]] std::string_view query_value(std::string_view target, std::string_view name);
-/// "127.0.0.1", "localhost" or "::1", with or without port.
+/// "127.x.x.x", "localhost" or "[::1]", with or without port.
 [[nodiscard]] bool names_this_machine(std::string_view host);
 /// A numeric address that only this machine reaches: 127.x.x.x or ::1.
 [[nodiscard]] bool is_loopback(const std::string& address);

@@ -5,6 +5,7 @@
 #include <sys/resource.h>
 #include <unistd.h>
 
+#include <algorithm>
 #include <boost/asio/io_context.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/bind_handler.hpp>
@@ -163,6 +164,16 @@ AccessPolicy policy_of(const ServerOptions& options) {
         "'{}' is not a numeric address; give 127.0.0.1, 0.0.0.0 or the like", options.address));
   if (!address.is_loopback() && options.token.empty())
     throw InputError(fmt::format("{} is open to other machines: give a token", options.address));
+  const auto plain = [](char c) {
+    return (c >= '0' && c <= '9') || (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '-' ||
+           c == '_';
+  };
+  constexpr std::size_t kShortestToken = 8;
+  if (!options.token.empty() && (options.token.size() < kShortestToken ||
+                                 !std::all_of(options.token.begin(), options.token.end(), plain)))
+    throw InputError(
+        fmt::format("a token has {} or more letters, digits, - and _: it is part of the address",
+                    kShortestToken));
   if (options.max_connections < 1 ||
       !(options.display_rate_hz >= 1 && options.display_rate_hz <= 240))
     throw InputError("the server takes at least 1 connection and 1 to 240 states a second");

@@ -17,7 +17,8 @@ RequestHeaders from(std::string_view host, std::string_view origin = "",
 
 TEST(Access, OnlyThisMachinesNamesOnLoopback) {
   const AccessPolicy policy{true, ""};
-  for (const char* host : {"localhost", "localhost:8733", "127.0.0.1:1", "[::1]:80", "[::1]"})
+  for (const char* host :
+       {"localhost", "localhost:8733", "127.0.0.1:1", "127.0.0.2:1", "[::1]:80", "[::1]"})
     EXPECT_EQ(judge(policy, from(host)), Verdict::ok) << host;
   for (const char* host : {"", "evil.com", "localhost.evil.com", "127.0.0.1.evil.com", "[::1].x",
                            "[::1", "192.168.0.2"})

@@ -60,18 +60,19 @@ TEST_F(Serving, StrangersAreRefused) {
 
 TEST_F(Serving, ATokenOpensTheDoorOnce) {
   ServerOptions options;
-  options.token = "s3cret";
+  options.token = "s3cret-s3cret";
   const auto guarded = start(options);
   const auto at = guarded->port();
-  EXPECT_NE(guarded->url().find("?token=s3cret"), std::string::npos);
+  EXPECT_NE(guarded->url().find("?token=s3cret-s3cret"), std::string::npos);
   EXPECT_TRUE(raw::Client(at).get("/").starts_with("HTTP/1.1 403"));
-  const std::string answer = raw::Client(at).get("/?token=s3cret");
+  const std::string answer = raw::Client(at).get("/?token=s3cret-s3cret");
   EXPECT_TRUE(answer.starts_with("HTTP/1.1 303")) << answer;
   EXPECT_NE(answer.find("Location: /\r\n"), std::string::npos);
-  EXPECT_TRUE(
-      raw::Client(at).get("/", "Cookie: palpate_token=s3cret\r\n").starts_with("HTTP/1.1 200"));
+  EXPECT_TRUE(raw::Client(at)
+                  .get("/", "Cookie: palpate_token=s3cret-s3cret\r\n")
+                  .starts_with("HTTP/1.1 200"));
   EXPECT_FALSE(raw::Client(at).upgrade());
-  EXPECT_TRUE(raw::Client(at).upgrade("Cookie: palpate_token=s3cret\r\n"));
+  EXPECT_TRUE(raw::Client(at).upgrade("Cookie: palpate_token=s3cret-s3cret\r\n"));
 }
 
 TEST_F(Serving, WillNotStartUnguarded) {
@@ -80,6 +81,12 @@ TEST_F(Serving, WillNotStartUnguarded) {
   EXPECT_THROW(start(open), InputError);
   open.address = "example.org";
   EXPECT_THROW(start(open), InputError);
+  ServerOptions secret;
+  for (const char* token :
+       {"short", "with space in it", "semi;colon=1", "line\r\nSet-Cookie: a=b"}) {
+    secret.token = token;
+    EXPECT_THROW(start(secret), InputError) << token;
+  }
   ServerOptions taken;
   taken.port = port();
   EXPECT_THROW(start(taken), InputError);
