@@ -8,6 +8,7 @@
 #include "plot/figures.hpp"
 #include "report/figures_of_map.hpp"
 #include "report/png.hpp"
+#include "report/published.hpp"
 #include "report/sections.hpp"
 #include "report/words.hpp"
 
@@ -105,6 +106,17 @@ void add_object(Page& page, const json& holder, const char* key, std::string_vie
   page.end_details();
 }
 
+/// What the travel is measured of; the published recipe has no tool.
+std::string what_presses(const TouchableHead& head) {
+  if (!published_loads(head).empty())
+    return "u is the travel of the pressed vertex along the inward normal; the force acts on that "
+           "one node.";
+  return fmt::format(
+      "u is the travel of a sphere of radius {} mm along the inward normal, from "
+      "first contact.",
+      fixed(head.map.tool_radius, 1));
+}
+
 }  // namespace
 
 void add_stiffness(Page& page, const TouchableHead& head, const RegionSummary& summary,
@@ -116,9 +128,7 @@ void add_stiffness(Page& page, const TouchableHead& head, const RegionSummary& s
                  {data_url(pictures.stiffness(View::left, range)), "from the subject's left"}},
                 plot::svg(plot::ColorLegend{"stiffness 2 N / u(2 N) [N/mm], logarithmic", range.low,
                                             range.high, true, "no curve", 520}),
-                fmt::format("u is the travel of a sphere of radius {} mm along the inward normal, "
-                            "from first contact.",
-                            fixed(head.map.tool_radius, 1)));
+                what_presses(head));
   if (summary.order.empty()) return;
   page.subsection("The seven regions");
   page.figure(region_curves(head, summary), "Median travel of each region against force.");

@@ -6,6 +6,7 @@
 
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
+#include "report/published.hpp"
 #include "report/words.hpp"
 #include "scenes.hpp"
 
@@ -44,6 +45,33 @@ TEST(Report, HasAllSectionsAndEscapesNames) {
   EXPECT_NE(page.find("Kendall tau 1.00"), std::string::npos);
   for (const char* bad : {">nan", " nan", "\"nan", ">-nan", ">inf"})
     EXPECT_EQ(page.find(bad), std::string::npos) << bad;
+}
+
+TEST(Report, ThePublishedRecipeIsCountedAndHasNoTool) {
+  TouchableHead head = scenes::ball_head();
+  EXPECT_TRUE(published_loads(head).empty());
+  EXPECT_NE(text_of(page_of(head)).find("travel of a sphere of radius"), std::string::npos);
+  ASSERT_GE(head.map.forces.size(), 2u);
+  const auto site = [](std::vector<double> u, std::vector<int> inverted, std::vector<bool> rest) {
+    return nlohmann::json{{"u_mm", u}, {"inverted_tets", inverted}, {"at_rest", rest}};
+  };
+  head.provenance["published_sites"] = {site({1, 2}, {0, 0}, {true, true}),
+                                        site({3, 9}, {0, 4}, {true, true}),  // inside out
+                                        site({8}, {0}, {false})};            // went no further
+  const std::vector<PublishedLoad> loads = published_loads(head);
+  ASSERT_EQ(loads.size(), head.map.forces.size());
+  EXPECT_EQ(loads[0].good, 2);
+  EXPECT_EQ(loads[0].restless, 1);
+  EXPECT_DOUBLE_EQ(loads[0].median_good_u, 2);
+  EXPECT_DOUBLE_EQ(loads[0].median_u, 3);
+  EXPECT_EQ(loads[1].good, 1);
+  EXPECT_EQ(loads[1].inverted, 1);
+  EXPECT_EQ(loads[1].restless, 1);
+  EXPECT_DOUBLE_EQ(loads[1].median_good_u, 2);
+  const std::string page = text_of(page_of(head));
+  EXPECT_NE(page.find("<section id=\"published\""), std::string::npos);
+  EXPECT_EQ(page.find("travel of a sphere of radius"), std::string::npos);
+  EXPECT_NE(page.find("the force acts on that one node"), std::string::npos);
 }
 
 TEST(Report, IsOneFileWithoutScripts) {
