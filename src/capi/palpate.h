@@ -134,6 +134,7 @@ typedef struct palpate_touch_options {
   double rate;             /* [s/mm] force times (1 + rate * speed of indenting) */
   double slew;             /* [N/s] fastest change of the force, > 0 */
   double soft_start;       /* [s] ramp when a contact begins inside the head, >= 0 */
+  double resolution; /* [mm] step of the reported position, felt at a tenth at rest; 0: none */
 } palpate_touch_options;
 
 /* The project's defaults for a device by name ("falcon", "omega.3", "Touch X", "inverse3";

@@ -27,6 +27,7 @@ palpate_touch_options options_for(const DeviceLimits& limits) {
   out.rate = o.rate;
   out.slew = o.slew;
   out.soft_start = o.soft_start;
+  out.resolution = limits.resolution;
   return out;
 }
 
@@ -40,7 +41,8 @@ TickSetup setup_for(const TouchModel& model, const palpate_touch_options& in) {
   o.rate = in.rate;
   o.slew = in.slew;
   o.soft_start = in.soft_start;
-  return make_tick_setup(model, {"the device", in.peak_force, in.stiffness, in.damping, 0}, o);
+  return make_tick_setup(
+      model, {"the device", in.peak_force, in.stiffness, in.damping, 0, in.resolution}, o);
 }
 
 void put_output(const TickOutput& out, palpate_tick_output* to) {

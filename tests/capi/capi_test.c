@@ -129,6 +129,7 @@ static void test_options(const palpate_head* head) {
   palpate_touch* touch = NULL;
   palpate_error error;
   CHECK(palpate_touch_defaults("falcon", &options) == PALPATE_OK && options.peak_force == 8.0);
+  CHECK(options.resolution == 0.0635);
   CHECK(palpate_touch_defaults("published", &options) == PALPATE_OK && options.peak_force == 8.7);
   CHECK(palpate_touch_defaults("teapot", &options) == PALPATE_BAD_ARGUMENT);
   CHECK(palpate_touch_defaults("3D Systems Touch", &options) == PALPATE_OK);
