@@ -10,11 +10,6 @@
 #include <fmt/format.h>
 
 #include <atomic>
-#include <boost/asio/io_context.hpp>
-#include <boost/asio/ip/tcp.hpp>
-#include <boost/beast/core.hpp>
-#include <boost/beast/websocket.hpp>
-#include <chrono>
 #include <cmath>
 #include <deque>
 #include <limits>
@@ -26,101 +21,40 @@
 #include "haptics/find_devices.hpp"
 #include "haptics/realtime.hpp"
 #include "haptics/seqlock.hpp"
+#include "haptics/service_channel.hpp"
 
 namespace palpate::haptics {
 
 namespace {
 
 namespace asio = boost::asio;
-namespace beast = boost::beast;
 using Json = nlohmann::json;
 
 constexpr double kMillimetres = 1000;
-constexpr std::int64_t kOldForce = 5'000'000;     // [ns] older forces are sent as zero
-constexpr std::size_t kLargestMessage = 1 << 20;  // [byte] an inventory has a few kilobytes
+constexpr std::int64_t kOldForce = 5'000'000;  // [ns] older forces are sent as zero
 constexpr std::string_view kStopEvent = "device-safety-triggered";
 
-/// A WebSocket client with a deadline on each step; runs its own event loop on the caller's thread.
-class Channel {
- public:
-  Channel(asio::io_context& io, const std::string& host, unsigned short port, double timeout)
-      : io_(io),
-        socket_(io),
-        timeout_(std::chrono::milliseconds(static_cast<int>(1000 * timeout))) {
-    beast::error_code error;
-    const auto address = asio::ip::make_address(host, error);
-    if (error) throw InputError(fmt::format("'{}' is not an address", host));
-    auto& tcp = beast::get_lowest_layer(socket_);
-    step([&](auto done) { tcp.async_connect(asio::ip::tcp::endpoint(address, port), done); },
-         "connect");
-    beast::error_code ignored;
-    tcp.socket().set_option(asio::ip::tcp::no_delay(true), ignored);
-    const std::string where = fmt::format("{}:{}", host, port);
-    step([&](auto done) { socket_.async_handshake(where, "/", done); }, "shake hands");
-    socket_.read_message_max(kLargestMessage);
-  }
+Json parse(const std::string& text) {
+  Json message = Json::parse(text, nullptr, false);
+  if (message.is_discarded() || !message.is_object())
+    throw InputError(
+        "the service sent something that is not JSON; is it Haply's, version 3.1 or later?");
+  return message;
+}
 
-  void send(const std::string& text) {
-    step(
-        [&](auto done) {
-          socket_.async_write(asio::buffer(text),
-                              [done](beast::error_code e, std::size_t) { done(e); });
-        },
-        "send");
-  }
-  [[nodiscard]] std::string receive() {
-    beast::flat_buffer buffer;
-    step(
-        [&](auto done) {
-          socket_.async_read(buffer, [done](beast::error_code e, std::size_t) { done(e); });
-        },
-        "receive");
-    return beast::buffers_to_string(buffer.data());
-  }
-  /// Reads one message whenever it comes; `told` gets it while other steps run.
-  template <class Told>
-  void listen(Told told) {
-    beast::get_lowest_layer(socket_).expires_never();
-    socket_.async_read(unasked_, [this, told](beast::error_code e, std::size_t) {
-      if (e) return;
-      told(beast::buffers_to_string(unasked_.data()));
-      unasked_.consume(unasked_.size());
-      listen(told);
-    });
-  }
-
- private:
-  template <class Start>
-  void step(Start start, const char* what) {
-    beast::get_lowest_layer(socket_).expires_after(timeout_);
-    bool finished = false;
-    beast::error_code error;
-    start([&](beast::error_code e) {
-      error = e;
-      finished = true;
-    });
-    io_.restart();
-    while (!finished && io_.run_one() > 0) {
-    }
-    if (error == beast::error::timeout) throw InputError(fmt::format("cannot {}: no answer", what));
-    if (error) throw InputError(fmt::format("cannot {}: {}", what, error.message()));
-  }
-
-  asio::io_context& io_;
-  beast::websocket::stream<beast::tcp_stream> socket_;
-  std::chrono::milliseconds timeout_;
-  beast::flat_buffer unasked_;
-};
+std::string id_of(const Json& entry) {
+  if (!entry.is_object()) return {};
+  const auto id = entry.find("device_id");
+  return id != entry.end() && id->is_string() ? id->get<std::string>() : std::string();
+}
 
 // Finds our device in a message of the service; null where it is not listed.
 const Json* entry_of(const Json& message, const std::string& id) {
   const auto list = message.find("inverse3");
   if (list == message.end() || !list->is_array()) return nullptr;
   for (const Json& entry : *list) {
-    if (!entry.is_object()) continue;
-    const auto name = entry.find("device_id");
-    if (name == entry.end() || !name->is_string()) continue;
-    if (id.empty() || name->get_ref<const std::string&>() == id) return &entry;
+    const std::string name = id_of(entry);
+    if (!name.empty() && (id.empty() || name == id)) return &entry;
   }
   return nullptr;
 }
@@ -238,14 +172,6 @@ class Inverse3 final : public Device {
     std::int64_t time_ns = 0;
   };
 
-  static Json parse(const std::string& text) {
-    Json message = Json::parse(text, nullptr, false);
-    if (message.is_discarded() || !message.is_object())
-      throw InputError(
-          "the service sent something that is not JSON; is it Haply's, version 3.1 or "
-          "later?");
-    return message;
-  }
   void note(const std::string& text) {
     const std::lock_guard lock(trouble_mutex_);
     trouble_ = text;
@@ -253,8 +179,8 @@ class Inverse3 final : public Device {
   // Without events a stop shows in the state only; the device is used all the same.
   void listen_for_stops(const FindOptions& options) {
     try {
-      events_ = std::make_unique<Channel>(io_, options.inverse_host, options.inverse_event_port,
-                                          options.timeout);
+      events_ = std::make_unique<ServiceChannel>(io_, options.inverse_host,
+                                                 options.inverse_event_port, options.timeout);
       events_->listen([this](const std::string& text) {
         if (text.find(kStopEvent) != std::string::npos) stopped_ = true;
       });
@@ -325,8 +251,8 @@ class Inverse3 final : public Device {
 
   std::string id_, quoted_id_;
   asio::io_context io_;
-  Channel channel_;
-  std::unique_ptr<Channel> events_;
+  ServiceChannel channel_;
+  std::unique_ptr<ServiceChannel> events_;
   DeviceInfo info_;
   EchoCheck echo_;
   std::uint64_t number_ = 0;
@@ -358,15 +284,42 @@ std::unique_ptr<Device> open_inverse3(const std::string& device_id, const FindOp
   }
 }
 
-std::vector<DeviceFinding> find_inverse3(const FindOptions& options) {
+namespace {
+
+// The service's first message is its whole inventory. Without an answer or a device: one empty id,
+// whose opening tells what is missing.
+std::vector<std::string> listed_ids(const FindOptions& options) {
+  std::vector<std::string> ids;
   try {
-    const auto device = open_inverse3("", options);
-    return {{device->info().backend, device->info().name, true, describe(device->info())}};
+    asio::io_context io;
+    ServiceChannel channel(io, options.inverse_host, options.inverse_port, options.timeout);
+    const Json inventory = parse(channel.receive());
+    for (const Json& entry : inventory.value("inverse3", Json::array()))
+      if (std::string id = id_of(entry); !id.empty()) ids.push_back(std::move(id));
+  } catch (const std::exception&) {
+    ids.clear();
+  }
+  if (ids.empty()) ids.emplace_back();
+  return ids;
+}
+
+DeviceFinding find_one(const std::string& id, const FindOptions& options) {
+  try {
+    const auto device = open_inverse3(id, options);
+    return {device->info().backend, device->info().name, true, describe(device->info())};
   } catch (const InputError& e) {
     std::string why = e.what();
     if (why.starts_with("inverse3: ")) why.erase(0, 10);
-    return {{"inverse3", "Haply Inverse3", false, why}};
+    return {id.empty() ? "inverse3" : "inverse3:" + id, "Haply Inverse3", false, why};
   }
+}
+
+}  // namespace
+
+std::vector<DeviceFinding> find_inverse3(const FindOptions& options) {
+  std::vector<DeviceFinding> found;
+  for (const std::string& id : listed_ids(options)) found.push_back(find_one(id, options));
+  return found;
 }
 
 }  // namespace palpate::haptics

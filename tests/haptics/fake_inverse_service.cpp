@@ -91,6 +91,10 @@ struct FakeInverseService::Server {
                                  {"z", applies ? owner.force_z.load() : 0}};
     nlohmann::json message = {{"inverse3", nlohmann::json::array()}};
     if (behaviour.lists_device && !unplugged) message["inverse3"].push_back(device);
+    if (behaviour.lists_second) {
+      device["device_id"] = "1234";
+      message["inverse3"].push_back(device);
+    }
     message["wireless_verse_grip"] = {
         {{"device_id", "61548"},
          {"state",

@@ -16,6 +16,7 @@ class FakeInverseService {
     int close_after = -1;  ///< messages; -1 never
     int reply_delay_ms = 0;
     bool has_position = true;
+    bool lists_second = false;  ///< another one, "1234"
   };
   FakeInverseService() : FakeInverseService(Behaviour{}) {}
   explicit FakeInverseService(const Behaviour& behaviour);

@@ -105,6 +105,18 @@ TEST(Inverse3, FaultsInContactZeroTheForce) {
   EXPECT_EQ(trip_in_contact(setup, *device, {}, force, [&] { service.unplug(); }), Trip::device);
 }
 
+TEST(Inverse3, AllThatTheServiceListsAreFound) {
+  FakeInverseService service({.lists_second = true});
+  const auto found = find_inverse3(options_for(service));
+  ASSERT_EQ(found.size(), 2U);
+  EXPECT_EQ(found[0].backend, "inverse3:049D");
+  EXPECT_EQ(found[1].backend, "inverse3:1234");
+  for (const DeviceFinding& f : found) {
+    EXPECT_TRUE(f.usable) << f.detail;
+    EXPECT_EQ(open_device(f.backend, options_for(service))->info().backend, f.backend);
+  }
+}
+
 TEST(Inverse3, WhatIsMissingIsNamed) {
   FindOptions nobody;
   {
