@@ -4,7 +4,7 @@
 import { HEAD, launch, missing, serve } from "../web/tests/browser.mjs";
 
 const RUNS = 5;
-const FRAMES = 10; // of an orbit, per run
+const FRAMES = 5;  // of an orbit, per run
 const PATIENCE = 120_000; // ms
 
 const why = missing();

@@ -12,7 +12,7 @@ function ticks(map: HeatMap): number[] {
   const step = niceStep(map.high - map.low, 5);
   for (let v = Math.ceil(map.low / step) * step; v <= map.high; v += step) inside.push(Number(v.toPrecision(6)));
   // The ends are labelled too; what would run into them is left out.
-  const kept = inside.filter((v) => onScale(map, v) > 0.13 && onScale(map, v) < 0.82);
+  const kept = inside.filter((v) => onScale(map, v) > 0.23 && onScale(map, v) < 0.78);
   return [map.low, ...kept, map.high];
 }
 

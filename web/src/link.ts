@@ -19,6 +19,8 @@ export interface Hello {
   colors: { sequential: string[]; missing: string; regions: string[] };
   fingerprint: string;
   recording: string;
+  /** code of the region to look at first, null for the face */
+  look_at: number | null;
   warnings: string[];
 }
 

@@ -17,6 +17,8 @@ import { View } from "./view";
 import type { Pick } from "./pick";
 
 class Page {
+  // Asked for before all else: it comes while the graphics start.
+  private readonly file = fetch("head.glb");
   private readonly view = new View(byId<HTMLCanvasElement>("scene"));
   private readonly strip = new StripChart(byId<HTMLCanvasElement>("strip"));
   private readonly link: Link;
@@ -28,6 +30,7 @@ class Page {
   private hover: Pick | null = null;
   private readingsDue = true;
   private loadMs = 0;
+  private region = -1; // of the buttons, the last one used
 
   constructor() {
     startTheme(() => this.repaint());
@@ -37,7 +40,7 @@ class Page {
       state: (s) => this.onState(s),
       connected: (on) => this.onConnected(on),
     });
-    this.hand = new Hand(byId<HTMLCanvasElement>("scene"), this.view, this.link, {
+    this.hand = new Hand(this.view.canvas, this.view, this.link, {
       head: () => this.head,
       state: () => this.state,
       mayPress: () => this.hello?.pointer ?? false,
@@ -54,7 +57,7 @@ class Page {
 
   private async load(): Promise<void> {
     try {
-      const answer = await fetch("head.glb");
+      const answer = await this.file;
       if (!answer.ok) throw new Error(`the server answered ${answer.status}: ${(await answer.text()).trim()}`);
       this.head = parseHead(await answer.arrayBuffer());
     } catch (error) {
@@ -64,10 +67,18 @@ class Page {
     this.view.setHead(this.head);
     message("");
     this.paint();
-    if (this.hello) this.listRegions();
+    this.listRegions();
+    this.opened();
+  }
+
+  /** The head is there and the server has told what the map's colours need: the next frame is the first with the head. */
+  private opened(): void {
+    if (!this.head || !this.hello) return;
+    const first = this.hello.look_at;
+    if (first != null) this.view.lookFrom(regionDirection(this.head, first));
     requestAnimationFrame(() => {
       this.loadMs = performance.now();
-      document.documentElement.dataset.ready = this.hello ? "yes" : "head";
+      document.documentElement.dataset.ready = "yes";
     });
   }
 
@@ -83,7 +94,7 @@ class Page {
     document.title = `${hello.head} · Palpate`;
     this.paint();
     this.listRegions();
-    if (this.head) document.documentElement.dataset.ready = "yes";
+    this.opened();
   }
 
   private onHealth(health: Health): void {
@@ -160,6 +171,7 @@ class Page {
   private listRegions(): void {
     if (!this.head || !this.hello) return;
     const hello = this.hello;
+    this.region = -1;
     byId("regions-title").textContent = hello.pointer ? "Turn to a region" : "Bring a region under the device";
     byId("regions").replaceChildren(
       ...hello.regions.filter((r) => r.name !== "other").map((r) => {
@@ -168,12 +180,23 @@ class Page {
         button.textContent = r.name;
         if (r.stiffness !== null) button.title = `median ${r.stiffness.toFixed(2)} N/mm at 2 N`;
         button.onclick = () => {
+          const all = [...byId("regions").children];
+          this.region = all.indexOf(button);
+          all.forEach((b) => b.setAttribute("aria-current", String(b === button)));
           this.view.lookFrom(regionDirection(this.head!, r.code));
           if (!hello.pointer && hello.device.backend !== "simulated") this.link.aim(r.code);
         };
         return button;
       }),
     );
+  }
+
+  /** To the next region, or back: what its button does. */
+  private stepRegion(by: number): void {
+    const all = byId("regions").children;
+    if (all.length === 0) return;
+    const start = this.region < 0 && by < 0 ? 0 : this.region;
+    (all[(start + by + all.length) % all.length] as HTMLButtonElement).click();
   }
 
   private wireControls(): void {
@@ -226,6 +249,8 @@ class Page {
       this.paint();
     } else if (key === "t") this.setOpacity(this.view.opacity < 1 ? 1 : 0.45);
     else if (key === "p") this.togglePause();
+    else if (key === "n") this.stepRegion(1);
+    else if (key === "v") this.stepRegion(-1);
     else if (key === "?") byId<HTMLDialogElement>("help").showModal();
     else return false;
     return true;
@@ -246,4 +271,9 @@ class Page {
   }
 }
 
-Object.assign(window, { palpate: new Page().expose() });
+try {
+  Object.assign(window, { palpate: new Page().expose() });
+} catch (error) {
+  message((error as Error).message);
+  throw error;
+}

@@ -8,6 +8,13 @@ export const MOST_RADII = 16;
 
 const vertex = /* glsl */ `
 attribute float value;
+varying vec3 vNormal;
+varying vec3 vView;
+varying float vValue;
+varying float vKnown;
+flat varying float vCode;
+
+#ifdef DENT
 uniform vec3 dentPoint;   // mm, on the undeformed skin
 uniform vec3 dentNormal;  // outward
 uniform float dentDepth;  // mm, 0: none
@@ -16,11 +23,6 @@ uniform float thickness;  // mm of tissue under the tool
 uniform int dentCount;    // stored radii, 0: none
 uniform float dentRadius[MOST_RADII]; // mm from the axis, ascending from 0
 uniform float dentShare[MOST_RADII];  // travel of the skin there over the tool's
-varying vec3 vNormal;
-varying vec3 vView;
-varying float vValue;
-varying float vKnown;
-flat varying float vCode;
 
 // Travel of the skin at a distance r from the axis, over the tool's depth. As the pressed tissue
 // went down at this place, straight between the stored radii; nowhere above the tool.
@@ -45,10 +47,12 @@ float smoothed(float r, float a) {
 float profile(float r, float a) {
   return dentCount > 0 ? stored(r) : smoothed(r, a);
 }
+#endif
 
 void main() {
   vec3 p = position;
   vec3 n = normal;
+#ifdef DENT
   if (dentDepth > 0.0) {
     float a = sqrt(toolRadius * dentDepth);
     vec3 away = p - dentPoint;
@@ -64,6 +68,7 @@ void main() {
       p -= u * dentNormal;
     }
   }
+#endif
   vec4 view = modelViewMatrix * vec4(p, 1.0);
   vView = view.xyz;
   vNormal = normalMatrix * n;
@@ -113,6 +118,8 @@ export interface SkinMaterials {
   /** depth only, drawn first: of translucent skin just the nearest layer is seen */
   depth: THREE.ShaderMaterial;
   uniforms: Record<string, THREE.IUniform>;
+  /** Whether there is a dent to draw: without one the shader has nothing of it, which is a third of a frame in software. */
+  dented(on: boolean): void;
 }
 
 export function makeSkinMaterials(): SkinMaterials {
@@ -133,17 +140,23 @@ export function makeSkinMaterials(): SkinMaterials {
     categories: { value: 1 },
     opacity: { value: 1 },
   };
-  const shared = { uniforms, defines: { MOST_RADII }, vertexShader: vertex, side: THREE.DoubleSide };
-  return {
-    uniforms,
-    color: new THREE.ShaderMaterial({ ...shared, fragmentShader: fragment, transparent: true,
-                                      depthFunc: THREE.LessEqualDepth }),
-    depth: new THREE.ShaderMaterial({
-      ...shared,
-      fragmentShader: "void main() { gl_FragColor = vec4(1.0); }",
-      colorWrite: false,
-    }),
+  const defines: Record<string, number> = { MOST_RADII };
+  const shared = { uniforms, vertexShader: vertex, side: THREE.DoubleSide };
+  const color = new THREE.ShaderMaterial({ ...shared, fragmentShader: fragment,
+                                           depthFunc: THREE.LessEqualDepth });
+  const depth = new THREE.ShaderMaterial({
+    ...shared,
+    fragmentShader: "void main() { gl_FragColor = vec4(1.0); }",
+    colorWrite: false,
+  });
+  color.defines = depth.defines = defines;
+  const dented = (on: boolean) => {
+    if (on === "DENT" in defines) return;
+    if (on) defines.DENT = 1;
+    else delete defines.DENT;
+    color.needsUpdate = depth.needsUpdate = true; // both programs are kept: compiled once each
   };
+  return { uniforms, color, depth, dented };
 }
 
 /** Solid things: skull, tool, arrow. Same light as the skin. */

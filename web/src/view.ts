@@ -40,9 +40,14 @@ export class View {
   showDent = true;
   showArrow = true;
 
-  constructor(private readonly canvas: HTMLCanvasElement) {
-    this.software = rendersInSoftware();
-    this.renderer = new THREE.WebGLRenderer({ canvas, antialias: !this.software, alpha: true });
+  /** what is drawn on; in the place of the canvas that was given */
+  readonly canvas: HTMLCanvasElement;
+
+  constructor(placeholder: HTMLCanvasElement) {
+    const graphics = openGraphics(placeholder);
+    const canvas = (this.canvas = graphics.canvas);
+    this.software = graphics.software;
+    this.renderer = new THREE.WebGLRenderer({ canvas, context: graphics.context });
     this.renderer.outputColorSpace = THREE.LinearSRGBColorSpace; // shaders write display colours
     this.renderer.setClearAlpha(0);
     this.tool = new THREE.Mesh(new THREE.SphereGeometry(1, 40, 28), makeSolidMaterial("#e8eaf0", 0.5));
@@ -80,6 +85,7 @@ export class View {
     if (head.skull) {
       this.skullMesh = new THREE.Mesh(surfaceGeometry(head.skull), makeSolidMaterial("#e9e0c9", 0.05));
       this.skullMesh.renderOrder = 1;
+      this.skullMesh.visible = this.opacity < 1; // behind opaque skin it would be drawn for nothing
       this.scene.add(this.skullMesh);
     }
     this.fit();
@@ -126,6 +132,7 @@ export class View {
 
   set opacity(value: number) {
     this.skin.uniforms.opacity.value = value;
+    this.skin.color.transparent = value < 1;
     if (this.skullMesh) this.skullMesh.visible = value < 1;
     this.touch();
   }
@@ -147,6 +154,7 @@ export class View {
     const dent = this.showDent && state.inContact ? state.depth : 0;
     const was = [this.tool.visible, this.arrow.visible, u.dentDepth.value, ...this.tool.position.toArray()];
     u.dentDepth.value = dent;
+    this.skin.dented(dent > 0);
     (u.dentPoint.value as THREE.Vector3).fromArray(state.point);
     (u.dentNormal.value as THREE.Vector3).fromArray(state.inContact ? state.normal : [0, 0, 1]);
     u.toolRadius.value = radius;
@@ -274,12 +282,23 @@ export class View {
   }
 }
 
-function rendersInSoftware(): boolean {
-  const gl = document.createElement("canvas").getContext("webgl2");
-  const info = gl?.getExtension("WEBGL_debug_renderer_info");
-  const name = gl ? String(gl.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : gl.RENDERER)) : "";
-  gl?.getExtension("WEBGL_lose_context")?.loseContext();
-  return /swiftshader|llvmpipe|softpipe|software|basic render/i.test(name);
+/**
+ * Smooth edges on a graphics card, none where there is none. What draws is known only with a context, which keeps
+ * the edges it was opened with; where it draws in software a second one costs much, so the first is kept there.
+ */
+function openGraphics(canvas: HTMLCanvasElement): { canvas: HTMLCanvasElement; context: WebGL2RenderingContext; software: boolean } {
+  const wish: WebGLContextAttributes = { alpha: true, powerPreference: "high-performance" };
+  const first = canvas.getContext("webgl2", { ...wish, antialias: false });
+  if (!first) throw new Error("this browser draws no WebGL 2: switch hardware acceleration on, or use another one");
+  const info = first.getExtension("WEBGL_debug_renderer_info");
+  const name = String(first.getParameter(info ? info.UNMASKED_RENDERER_WEBGL : first.RENDERER));
+  if (/swiftshader|llvmpipe|softpipe|software|basic render/i.test(name)) return { canvas, context: first, software: true };
+  const smooth = canvas.cloneNode() as HTMLCanvasElement;
+  const context = smooth.getContext("webgl2", { ...wish, antialias: true });
+  if (!context) return { canvas, context: first, software: false };
+  canvas.replaceWith(smooth);
+  first.getExtension("WEBGL_lose_context")?.loseContext();
+  return { canvas: smooth, context, software: false };
 }
 
 function surfaceGeometry(s: Surface): THREE.BufferGeometry {
