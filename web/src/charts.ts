@@ -159,7 +159,9 @@ export class StripChart {
   private strip(c: CanvasRenderingContext2D, colors: Ink, values: number[], color: string, name: string,
                 top: number, w: number, height: number): void {
     const left = 34, right = 8, pad = 15;
-    const most = Math.max(1, ...values);
+    const highest = Math.max(1, ...values);
+    const step = niceStep(highest, 2);
+    const most = step * Math.ceil(highest / step - 1e-9); // the axis ends at a label
     const now = this.time[this.time.length - 1] ?? 0;
     const y = (v: number) => top + height - 4 - (Math.max(0, v) / most) * (height - pad - 4);
     c.strokeStyle = colors.faint;
@@ -167,7 +169,6 @@ export class StripChart {
     c.fillStyle = colors.text;
     c.textAlign = "right";
     c.textBaseline = "middle";
-    const step = niceStep(most, 2);
     for (let v = 0; v <= most + 1e-9; v += step) {
       line(c, left, y(v), w - right, y(v));
       c.fillText(label(v), left - 5, y(v));
