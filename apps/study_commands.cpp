@@ -91,7 +91,9 @@ void add_run(CLI::App& group) {
   sub->add_option("--listen", o->address,
                   "numeric address to serve at; beyond 127.0.0.1 a token guards the pages")
       ->capture_default_str();
-  sub->add_option("--token", o->token, "secret in the pages' address; made up where needed");
+  sub->add_option(
+      "--token", o->token,
+      "secret in the pages' address, 8 or more letters, digits, - and _; made up where needed");
   bool* const open = &o->open_browser;
   sub->add_flag_function(
       "--no-open", [open](std::int64_t) { *open = false; }, "do not open a browser");

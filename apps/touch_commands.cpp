@@ -66,7 +66,9 @@ void add_page_options(CLI::App* sub, const std::shared_ptr<TouchCommand>& t) {
   sub->add_option("--listen", o.address,
                   "numeric address to serve at; beyond 127.0.0.1 a token guards the page")
       ->capture_default_str();
-  sub->add_option("--token", o.token, "secret in the page's address; made up where needed");
+  sub->add_option(
+      "--token", o.token,
+      "secret in the page's address, 8 or more letters, digits, - and _; made up where needed");
   sub->add_flag("--no-open", t->no_open, "do not open a browser");
   sub->add_option("--seconds", o.seconds, "[s] end by itself; 0: at Ctrl-C")
       ->check(CLI::Range(0.0, 86400.0));
