@@ -12,6 +12,7 @@
 #include "core/error.hpp"
 #include "core/version.hpp"
 #include "io/assets.hpp"
+#include "landmarks/complete.hpp"
 #include "landmarks/regions.hpp"
 #include "surface/query.hpp"
 
@@ -58,25 +59,47 @@ static std::vector<Vec3> skin_normals(const std::vector<Vec3>& points,
   return own;
 }
 
+/// Finds the face; where there is no head behind it, completes the head and looks again.
+static landmarks::Detection detect(const PreparedScan& scan, const landmarks::DetectOptions& detect,
+                                   double edge, const Progress& progress,
+                                   std::optional<landmarks::CompletedFace>& completed) {
+  if (scan.known_skull) return landmarks::detect_landmarks(scan.working.mesh, detect, progress);
+  landmarks::FoundFace face = landmarks::find_face(scan.working.mesh, detect, progress);
+  if (!face.alone) return face.detection;
+  const SurfaceMesh whole = io::read_scan(io::data_folder() / "head.ply").mesh;
+  completed = landmarks::complete_face(scan.working.mesh, scan.working.filled, face.detection,
+                                       whole, edge, progress);
+  landmarks::Detection found = landmarks::detect_landmarks(completed->skin, detect, progress);
+  landmarks::drop_unseen(found.landmarks, *completed);
+  found.warnings.insert(
+      found.warnings.begin(),
+      fmt::format("the scan is a face without the back of its head: {:.0f} % of the skin was "
+                  "completed from the bundled head, bent to this face; the bone there is a guess",
+                  100 * completed->completed_share));
+  return found;
+}
+
 LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
                         const Progress& progress, StageClock& clock) {
   LocatedHead located;
-  landmarks::DetectOptions detect = options.landmarks;
-  for (auto& [name, position] : detect.given) position *= millimetres(scan.unit);
-  detect.scan = &scan.scan_mm;
+  landmarks::DetectOptions wanted = options.landmarks;
+  for (auto& [name, position] : wanted.given) position *= millimetres(scan.unit);
+  wanted.scan = &scan.scan_mm;
+  std::optional<landmarks::CompletedFace> completed;
   try {
     located.detection = clock.run("landmarks", [&] {
-      return landmarks::detect_landmarks(scan.working.mesh, detect, progress);
+      return detect(scan, wanted, options.repair.target_edge, progress, completed);
     });
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scan.file_name, error.what()));
   }
-  for (const auto& [name, position] : detect.given)  // to the last bit, whatever turned in between
+  for (const auto& [name, position] : wanted.given)  // to the last bit, whatever turned in between
     located.detection.landmarks[name] = {position, 1};
   const HeadFrame& frame = located.detection.frame;
   HeadSurface& head = located.head;
-  head.skin = transformed(scan.working.mesh, frame.rotation, -(frame.rotation * frame.origin));
-  head.filled = scan.working.filled;
+  head.skin = transformed(completed ? completed->skin : scan.working.mesh, frame.rotation,
+                          -(frame.rotation * frame.origin));
+  head.filled = completed ? completed->filled : scan.working.filled;
   for (const auto& [name, mark] : located.detection.landmarks)
     head.landmarks[name] = {frame.to_head(mark.position), mark.confidence};
   head.region =

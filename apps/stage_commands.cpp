@@ -63,6 +63,8 @@ void run_landmarks(Command& c, const std::filesystem::path& edit) {
     text += fmt::format("{:<20} {:12.4f} {:12.4f} {:12.4f}   confidence {:.2f}\n", key,
                         mark.position.x() / unit_mm, mark.position.y() / unit_mm,
                         mark.position.z() / unit_mm, mark.confidence);
+  for (const std::string& warning : start.located.detection.warnings)
+    text += "warning: " + warning + "\n";
   print_result(c, result, text);
 }
 
@@ -92,10 +94,11 @@ void run_fit(Command& c) {
     if (d.reached)
       text += fmt::format("{:<12} depth {:5.1f} mm, published {:5.1f}\n", d.code, d.depth_mm,
                           d.published_mm);
-  for (const std::string& warning : skull.warnings) text += "warning: " + warning + "\n";
+  std::vector<std::string> warnings = start.located.detection.warnings;
+  warnings.insert(warnings.end(), skull.warnings.begin(), skull.warnings.end());
+  for (const std::string& warning : warnings) text += "warning: " + warning + "\n";
   print_result(
-      c,
-      {{"depths", describe(skull.depths)}, {"fit", skull.statistics}, {"warnings", skull.warnings}},
+      c, {{"depths", describe(skull.depths)}, {"fit", skull.statistics}, {"warnings", warnings}},
       text + fmt::format("skull {} (scan frame, mm)\n", c.output.string()));
 }
 

@@ -8,6 +8,7 @@
 #include <set>
 
 #include "core/error.hpp"
+#include "landmarks/complete.hpp"
 #include "landmarks/pose.hpp"
 #include "landmarks/published.hpp"
 #include "landmarks/sharpen.hpp"
@@ -78,7 +79,7 @@ LandmarkSet robust_landmarks(const Skin& skin, const FacePose& pose, const HeadF
   LandmarkSet set;
   for (const auto& [name, p] : marks) {
     const double sure = confidence(skin, pose, name);
-    if (sure >= kThere || kAlways.contains(name)) set[name] = {frame.to_scan(p), sure};
+    if (sure >= kThere || always_answered(name)) set[name] = {frame.to_scan(p), sure};
   }
   return set;
 }
@@ -98,16 +99,21 @@ void compare(const LandmarkSet& published, const LandmarkSet& robust,
 
 }  // namespace
 
-Detection detect_landmarks(const SurfaceMesh& mesh, const DetectOptions& options,
-                           const Progress& progress) {
+bool always_answered(const std::string& name) {
+  return kAlways.contains(name);
+}
+
+static FoundFace find(const SurfaceMesh& mesh, const DetectOptions& options,
+                      bool face_alone_will_do, const Progress& progress) {
   for (const auto& [name, p] : options.given) {
     if (!p.allFinite()) throw InputError(fmt::format("landmark {}: not a finite point", name));
   }
   progress.step("landmarks", 0);
   const Skin skin(mesh);
   const FaceSearch found = search_face(skin, options.given, progress);
-  Detection detection;
-  verify_face(skin, found, detection.warnings);
+  FoundFace result;
+  Detection& detection = result.detection;
+  result.alone = verify_face(skin, found, face_alone_will_do, detection.warnings);
 
   detection.frame = frame_of(found.pose);
   if (options.method == Method::published) {
@@ -121,7 +127,17 @@ Detection detect_landmarks(const SurfaceMesh& mesh, const DetectOptions& options
   detection.frame.origin = 0.5 * (detection.landmarks.at("eye_outer_left").position +
                                   detection.landmarks.at("eye_outer_right").position);
   progress.step("landmarks", 1);
-  return detection;
+  return result;
+}
+
+FoundFace find_face(const SurfaceMesh& skin, const DetectOptions& options,
+                    const Progress& progress) {
+  return find(skin, options, true, progress);
+}
+
+Detection detect_landmarks(const SurfaceMesh& skin, const DetectOptions& options,
+                           const Progress& progress) {
+  return find(skin, options, false, progress).detection;
 }
 
 }  // namespace palpate::landmarks

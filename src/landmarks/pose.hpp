@@ -49,6 +49,7 @@ struct FitSchedule {
   bool with_shape = false;  ///< solve for the modes as well
   bool with_scale = true;
   double tolerance_mm = 4.0;  ///< [mm] distance at which a point's weight has dropped to a quarter
+  double reach_mm = 1e9;      ///< [mm] a model point with no surface this near has no say
 };
 
 /// Iterated closest points, point to plane, with robust weights and the population's prior.

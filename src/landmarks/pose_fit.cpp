@@ -40,7 +40,7 @@ struct Match {
   double weight;
 };
 
-Match match(const Skin& skin, const FacePose& pose, std::size_t i, double tolerance,
+Match match(const Skin& skin, const FacePose& pose, std::size_t i, double tolerance, double reach,
             std::vector<surface::PointTree::Neighbour>& found) {
   const FaceModel& model = face_model();
   Match m;
@@ -51,7 +51,8 @@ Match match(const Skin& skin, const FacePose& pose, std::size_t i, double tolera
   const double like = m.n.dot(pose.rotation * model.normals[i]);
   const double r = m.n.dot(m.q - m.s) / tolerance;
   const double drop = 1 / (1 + r * r);
-  m.weight = like < kLikeDirection ? 0 : drop * drop;
+  const bool far = found[0].distance2 > reach * reach;
+  m.weight = like < kLikeDirection || far ? 0 : drop * drop;
   return m;
 }
 
@@ -111,7 +112,7 @@ FacePose fit_pose(const Skin& skin, FacePose pose, const FitSchedule& schedule, 
     }
     const Vec3 origin = pose.to_scan(Vec3(0, -30, 0));
     for (std::size_t i = 0; i < model.points.size(); i += schedule.stride) {
-      const Match m = match(skin, pose, i, widen * schedule.tolerance_mm, found);
+      const Match m = match(skin, pose, i, widen * schedule.tolerance_mm, schedule.reach_mm, found);
       if (m.weight == 0) continue;
       const Rows rows = derivative(pose, m.q, model.modes[i], origin);
       const Mat3 metric =

@@ -35,7 +35,8 @@ double depth_of_head(const Skin& skin, const FacePose& pose) {
 
 }  // namespace
 
-void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::string>& warnings) {
+bool verify_face(const Skin& skin, const FaceSearch& found, bool face_alone_will_do,
+                 std::vector<std::string>& warnings) {
   const FaceFit& fit = found.fit;
   if (fit.core.outliers > kWorstOutliers || fit.core.cost() > kWorstCore ||
       fit.cost() > kWorstCost) {
@@ -46,13 +47,14 @@ void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::str
         fit.core.mean_distance, 100 * fit.core.outliers));
   }
   const double depth = depth_of_head(skin, found.pose);
-  if (depth < kShortest) {
+  const bool face_alone = depth < kShortest;
+  if (face_alone && !(face_alone_will_do && fit.has_lower_face())) {
     throw InputError(fmt::format(
         "a face without the back of its head: the surface ends {:.0f} mm behind the eyes, a head "
         "reaches about 150 mm; scan the whole head",
         depth * found.pose.scale));
   }
-  if (depth < kWhole) {
+  if (depth < kWhole && !face_alone) {
     warnings.push_back(fmt::format(
         "the back of the head is missing: the surface ends {:.0f} mm behind the eyes; there is no "
         "bone where there is no scan",
@@ -64,6 +66,7 @@ void verify_face(const Skin& skin, const FaceSearch& found, std::vector<std::str
   if (found.rival.cost() < fit.cost() + 1) {
     warnings.push_back("a second place looks almost as much like a face; check the landmarks");
   }
+  return face_alone;
 }
 
 double confidence(const Skin& skin, const FacePose& pose, const std::string& name) {

@@ -86,7 +86,7 @@ ScanEnds find_scan_ends(const HeadSurface& head, const CutOptions& options) {
   ScanEnds ends;
   ends.cap.assign(mesh.points.size(), 0);
   ends.no_scan.assign(mesh.points.size(), 0);
-  for (std::size_t i = 0; i < head.filled.size(); ++i) ends.no_scan[i] = head.filled[i];
+  for (std::size_t i = 0; i < head.filled.size(); ++i) ends.no_scan[i] = head.filled[i] == 1;
 
   const auto filled = [&](std::size_t t) {
     const Triangle& c = mesh.triangles[t];
@@ -114,6 +114,7 @@ ScanEnds find_scan_ends(const HeadSurface& head, const CutOptions& options) {
     return !(from_repair[c[0]] && from_repair[c[1]] && from_repair[c[2]]);
   };
   keep(patches(across, scanned, coplanar));
+  for (std::size_t i = 0; i < head.filled.size(); ++i) ends.no_scan[i] |= head.filled[i] != 0;
   std::stable_sort(ends.planes.begin(), ends.planes.end(),
                    [](const CutPlane& a, const CutPlane& b) { return a.area_mm2 > b.area_mm2; });
   return ends;

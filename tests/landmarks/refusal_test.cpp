@@ -7,6 +7,7 @@
 
 #include "core/error.hpp"
 #include "heads.hpp"
+#include "landmarks/complete.hpp"
 
 namespace palpate::landmarks {
 namespace {
@@ -98,9 +99,13 @@ double hand(const Vec3& p) {
   return std::min(d, capsule(p, Vec3(38, -20, 4), Vec3(80, 30, 20), 10));
 }
 
-std::string refusal(const SurfaceMesh& mesh) {
+std::string refusal(const SurfaceMesh& mesh, bool face_alone_will_do = true) {
   try {
-    (void)detect_landmarks(surface::make_working_surface(mesh).mesh);
+    const SurfaceMesh skin = surface::make_working_surface(mesh).mesh;
+    if (face_alone_will_do)
+      (void)find_face(skin);
+    else
+      (void)detect_landmarks(skin);
   } catch (const InputError& error) {
     return error.what();
   }
@@ -137,7 +142,27 @@ TEST(Refusal, FaceWithoutABack) {
   for (const Triangle& t : head.scan.triangles) {
     if (face.points[t[0]].z() > cut) face.triangles.push_back(t);
   }
-  expect_one_line(refusal(face), "without the back of its head");
+  expect_one_line(refusal(face, false), "without the back of its head");
+}
+
+// The part of a face that is left by a box must not pass where a face alone will do.
+SurfaceMesh cut_face(double below, double above, double wide) {
+  const KnownHead& head = bundled_head();
+  SurfaceMesh face{head.scan.points, {}};
+  const Vec3 eye = head.truth.at("eye_outer_left");
+  for (const Triangle& t : head.scan.triangles) {
+    const Vec3& p = face.points[t[0]];
+    if (p.z() > eye.z() - 45 && p.y() > eye.y() - below && p.y() < eye.y() + above &&
+        std::abs(p.x()) < wide)
+      face.triangles.push_back(t);
+  }
+  return face;
+}
+
+TEST(Refusal, PartOfAFace) {
+  EXPECT_EQ(refusal(cut_face(130, 75, 200)), "");
+  EXPECT_NE(refusal(cut_face(50, 75, 200)), "");   // ends above the lips
+  EXPECT_NE(refusal(cut_face(130, -5, 200)), "");  // begins below the eyes
 }
 
 }  // namespace
