@@ -13,7 +13,7 @@ namespace palpate {
 struct HeadSurface {
   SurfaceMesh skin;
   std::vector<std::uint8_t>
-      filled;                      ///< one per point: 1 where repair closed a hole (no scan there)
+      filled;                      ///< one per point: 0 scan, 1 closed hole, 2 completed head
   LandmarkSet landmarks;           ///< head frame, [mm]
   std::vector<SkinRegion> region;  ///< one per point
 };
