@@ -12,10 +12,9 @@ namespace palpate {
 /// Closed, outward-oriented, isotropic working skin in the head frame, [mm].
 struct HeadSurface {
   SurfaceMesh skin;
-  std::vector<std::uint8_t>
-      filled;                      ///< one per point: 0 scan, 1 closed hole, 2 completed head
-  LandmarkSet landmarks;           ///< head frame, [mm]
-  std::vector<SkinRegion> region;  ///< one per point
+  std::vector<std::uint8_t> filled;  ///< one per point: 0 scan, 1 closed hole, 2 completed head
+  LandmarkSet landmarks;             ///< head frame, [mm]
+  std::vector<SkinRegion> region;    ///< one per point
 };
 
 }  // namespace palpate
