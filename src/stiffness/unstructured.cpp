@@ -91,6 +91,20 @@ class Piece : public TissuePiece {
   std::priority_queue<std::pair<double, Edge>> queue_;
 };
 
+/// Skin that the tissue mesh holds (ears, lips) would carry the tool like stone; patches leave it
+/// free too. A piece without bone hangs on its cut.
+void hold_bone_only(TissuePiece& piece) {
+  for (std::size_t n = 0; n < piece.nodes.size(); ++n) piece.held[n] &= !piece.skin[n];
+  if (std::count(piece.held.begin(), piece.held.end(), 1) > 0) return;
+  fem::TetMesh linear;
+  linear.nodes = piece.nodes;
+  for (const Tetrahedron& t : piece.tets) linear.tets.insert(linear.tets.end(), t.begin(), t.end());
+  const fem::FaceList faces = fem::boundary_faces(linear);
+  for (std::size_t f = 0; f < faces.size(); f += 3)
+    if (!piece.skin[faces[f]] || !piece.skin[faces[f + 1]] || !piece.skin[faces[f + 2]])
+      for (int i = 0; i < 3; ++i) piece.held[faces[f + i]] = 1;
+}
+
 LocalBody finish(const Piece& piece, double tool_radius) {
   fem::TetMesh linear;
   linear.nodes = piece.nodes;
@@ -189,7 +203,9 @@ TissuePiece TissueCutter::take(const SiteFrame& frame, double reach, double near
 }
 
 LocalBody TissueCutter::cut(const SiteFrame& frame, double tool_radius) const {
-  Piece piece(take(frame, kReach * tool_radius, tool_radius, Start::any));
+  TissuePiece taken = take(frame, kReach * tool_radius, tool_radius, Start::any);
+  hold_bone_only(taken);
+  Piece piece(std::move(taken));
   piece.refine(tool_radius);
   return finish(piece, tool_radius);
 }

@@ -29,7 +29,8 @@ class TissueCutter {
 
   /// Flesh connected to the skin at the site within four tool radii of it. Edges longer than a
   /// third of the tool's radius under the tool, growing with the distance, are bisected, the
-  /// longest first, with all tetrahedra around them: conforming at every step.
+  /// longest first, with all tetrahedra around them: conforming at every step. Bone is held, skin
+  /// never; where the piece has no bone, its cut is.
   /// @throws SolveError  where no flesh lies at the site
   [[nodiscard]] LocalBody cut(const SiteFrame& frame, double tool_radius) const;
 

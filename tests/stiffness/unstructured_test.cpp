@@ -89,5 +89,35 @@ TEST(Unstructured, AgreesWithThePatchOnASlab) {
   for (int i = 0; i < 2; ++i) EXPECT_NEAR(piece.travel[i] / patch.travel[i], 1, 0.04);
 }
 
+TEST(Unstructured, SkinThatTheMeshHoldsDoesNotCarryTheTool) {
+  const auto law = std::shared_ptr(fem::neo_hookean(fem::lame_moduli(0.045658, 0.43)));
+  const std::vector<double> forces = {1}, rings = {0, 8, 16};
+  const SiteFrame frame = site_frame({3, -2, 0}, Vec3::UnitZ());
+  TissueMesh tissue = slab(10, 2);
+  const auto travel = [&] {
+    return press_unstructured(TissueCutter(tissue).cut(frame, 8), law, {}, forces, rings).travel;
+  };
+  const std::vector<double> free = travel();
+  for (std::size_t n = 0; n < tissue.skin_points; ++n)
+    tissue.held[n] = tissue.nodes[n].x() > 0;  // as beside an ear
+  EXPECT_EQ(travel(), free);
+}
+
+TEST(Unstructured, APieceWithoutBoneHangsOnItsCut) {
+  const auto law = std::shared_ptr(fem::neo_hookean(fem::lame_moduli(0.045658, 0.43)));
+  TissueMesh tissue = slab(14, 6);
+  for (Vec3& p : tissue.nodes) p *= 5;  // 40 mm deep; the piece reaches 32
+  std::fill(tissue.held.begin(), tissue.held.end(), 0);
+  const LocalBody body = TissueCutter(tissue).cut(site_frame({3, -2, 0}, Vec3::UnitZ()), 8);
+  ASSERT_GT(std::count(body.held.begin(), body.held.end(), 1), 0);
+  for (std::size_t n = 0; n < body.held.size(); ++n)
+    if (body.held[n]) EXPECT_GT(body.mesh.nodes[n].norm(), 10);
+  const SiteCurve curve =
+      press_unstructured(body, law, {}, std::vector<double>{1}, std::vector<double>{0, 8, 16});
+  ASSERT_EQ(curve.travel.size(), 1u);
+  EXPECT_GT(curve.travel[0], 1);
+  EXPECT_LT(curve.travel[0], 6);
+}
+
 }  // namespace
 }  // namespace palpate::stiffness
