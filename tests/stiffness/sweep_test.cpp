@@ -40,6 +40,26 @@ TEST(Sweep, GivesEveryPointOnTissueAnAscendingCurve) {
   for (const auto p : s.sites) EXPECT_EQ(s.map.status[p], VertexStatus::solved);
 }
 
+TEST(Sweep, FastModeAdmitsWhereThePatchCannotFollowTheSkin) {
+  scenes::Head head = scenes::head(3);
+  const std::size_t spike = 0;
+  head.skin.skin.points[spike] *= 1.25;        // some 20 mm out of the skin around it, as an ear
+  head.skin.region[spike] = SkinRegion::nose;  // held: not pressed itself
+  const Vec3 tip = head.skin.skin.points[spike];
+  SweepOptions o = quick();
+  o.mode = SweepMode::fast;
+  o.loads = 1;
+  const Sweep s = sweep(head.skin, head.skull, o);
+  int beside = 0;
+  for (std::size_t p = 0; p < s.map.size(); ++p) {
+    const double away = (head.skin.skin.points[p] - tip).norm();
+    if (!s.map.has_curve(p) || p == spike) continue;
+    if (away < 30) beside += s.map.error[p] >= 0.2;
+    if (away > 60) EXPECT_LT(s.map.error[p], 0.2) << p;
+  }
+  EXPECT_GT(beside, 0);
+}
+
 TEST(Sweep, IsTheSameBitsOnOneAndTwoThreads) {
   const scenes::Head head = scenes::head(3);
   SweepOptions one = quick(), two = quick();
