@@ -54,7 +54,8 @@ void add_verify_command(CLI::App& app) {
       });
   sub->add_option("-o,--output", c->output, "page to write: tables and plots in one file")
       ->type_name("PAGE.html");
-  sub->add_flag("--quick", options->quick, "fewer states, rows and loads: a minute, not half an hour");
+  sub->add_flag("--quick", options->quick,
+                "fewer states, rows and loads: a minute, not half an hour");
   sub->add_option("--only", options->only,
                   "sections to run: " + fmt::format("{}", fmt::join(verify::section_ids(), ", ")))
       ->type_name("ID");
