@@ -14,7 +14,7 @@ namespace {
 constexpr double kStep = 0.5;      // [mm]
 constexpr double kDeeper = 1.5;    // [mm] behind the closed surface; noise and facets stay below
 constexpr double kMargin = 9;      // [mm] around the guesses; their errors are 7 mm at most
-constexpr double kNarrowest = 12;  // [mm] opening; adults' fissures are 25 to 36 mm wide
+constexpr double kNarrowest = 20;  // [mm] opening; adults' fissures are 25 to 36 mm wide
 constexpr double kWidest = 42;     // [mm]
 constexpr double kTallest = 20;    // [mm]
 
