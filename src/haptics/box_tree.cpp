@@ -1,7 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
-// Median splits along the longest side of the box of the centroids, two at a time, so that each
-// node has four children of nearly equal size. A skin is sampled evenly, where the surface-area
-// heuristic gains little over the median and costs a sort per axis.
+// Splits along the longest side of the box of the centroids into children of nearly equal size; the
+// root takes as few as leave every node below it nearly full. A skin is sampled evenly, where the
+// surface-area heuristic gains little over the median and costs a sort per axis.
 #include "haptics/box_tree.hpp"
 
 #include <algorithm>
@@ -36,7 +36,7 @@ class BoxTreeBuilder {
   }
 
   std::vector<std::int32_t> run() {
-    tree_.nodes_.reserve(order_.size() / 2 + 1);
+    tree_.nodes_.reserve(order_.size() / 4 + 1);
     add_node(0, order_.size());
     tree_.nodes_.shrink_to_fit();
     return std::move(order_);
@@ -45,9 +45,9 @@ class BoxTreeBuilder {
  private:
   using Range = std::pair<std::size_t, std::size_t>;
 
-  // Both halves differ by at most one triangle; ties are broken by the triangle's number, which
-  // makes the order independent of the library's selection algorithm.
-  std::size_t split(Range range) {
+  // Into two for `parts` children in all. Ties are broken by the triangle's number, which makes the
+  // order independent of the library's selection algorithm.
+  std::size_t split(Range range, int parts) {
     Vec3 low = centroids_[order_[range.first]];
     Vec3 high = low;
     for (std::size_t i = range.first; i < range.second; ++i) {
@@ -56,7 +56,9 @@ class BoxTreeBuilder {
     }
     Eigen::Index axis = 0;
     (high - low).maxCoeff(&axis);
-    const std::size_t middle = (range.first + range.second) / 2;
+    const auto share = static_cast<std::size_t>(parts / 2);
+    const std::size_t middle =
+        range.first + (range.second - range.first) * share / static_cast<std::size_t>(parts);
     const auto begin = order_.begin();
     const auto less = [&](std::int32_t a, std::int32_t b) {
       const double ca = centroids_[a][axis];
@@ -69,27 +71,37 @@ class BoxTreeBuilder {
     return middle;
   }
 
+  void divide(Range range, int parts, std::vector<Range>& out) {
+    if (parts == 1) {
+      out.push_back(range);
+      return;
+    }
+    const std::size_t middle = split(range, parts);
+    divide({range.first, middle}, parts / 2, out);
+    divide({middle, range.second}, parts - parts / 2, out);
+  }
+
+  // Children of a node over `count` triangles: one each at the bottom, else as few as hold them in
+  // full trees.
+  static int parts_of(std::size_t count) {
+    if (count <= BoxTree::kWidth) return static_cast<int>(count);
+    std::size_t full = BoxTree::kWidth;
+    while (full * BoxTree::kWidth < count) full *= BoxTree::kWidth;
+    return static_cast<int>((count + full - 1) / full);
+  }
+
   std::int32_t add_node(std::size_t first, std::size_t last) {
     const auto id = tree_.nodes_.size();
     tree_.nodes_.emplace_back();
     const Mat3 axes = axes_of({first, last});
-    for (int k = 0; k < 3; ++k)
-      for (int j = 0; j < 3; ++j) tree_.nodes_[id].axis[k][j] = static_cast<float>(axes(k, j));
-    std::array<Range, BoxTree::kWidth> parts{};
-    int count = 0;
-    if (last - first <= BoxTree::kWidth) {
-      std::sort(order_.begin() + static_cast<std::ptrdiff_t>(first),
-                order_.begin() + static_cast<std::ptrdiff_t>(last));
-      for (std::size_t i = first; i < last; ++i) parts[count++] = {i, i + 1};
-    } else {
-      const std::size_t middle = split({first, last});
-      const std::size_t quarter = split({first, middle});
-      const std::size_t three = split({middle, last});
-      parts = {{{first, quarter}, {quarter, middle}, {middle, three}, {three, last}}};
-      count = BoxTree::kWidth;
+    for (int k = 0; k < 3; ++k) {
+      const Eigen::Vector3f c = axes.col(k).cast<float>();
+      tree_.nodes_[id].column[k] = Quad{c[0], c[1], c[2], 0};
     }
+    std::vector<Range> parts;
+    divide({first, last}, parts_of(last - first), parts);
     for (int lane = 0; lane < BoxTree::kWidth; ++lane) {
-      if (lane >= count) {
+      if (lane >= static_cast<int>(parts.size())) {
         leave_empty(id, lane);
         continue;
       }
@@ -100,7 +112,25 @@ class BoxTreeBuilder {
       set_lane(id, lane, low, high, child);
       set_spread(id, lane, axes.row(2), {from, to});
     }
+    note_same(tree_.nodes_[id]);
     return static_cast<std::int32_t>(id);
+  }
+
+  // Triangles that all face within an angle of a normal spread by no more than that angle about the
+  // axis; a box within a ball has its half diagonal within the ball's radius.
+  static void note_same(BoxTree::Node& node) {
+    node.best_spread_cosine = -2;
+    node.least_half_diagonal2 = kInfinity;
+    for (int lane = 0; lane < BoxTree::kWidth; ++lane) {
+      float diagonal2 = 0;
+      for (int axis = 0; axis < 3; ++axis) {
+        const float side = get(node.high[axis], lane) - get(node.low[axis], lane);
+        diagonal2 += side * side;
+      }
+      if (!(get(node.low[0], lane) < kInfinity)) continue;
+      node.least_half_diagonal2 = std::min(node.least_half_diagonal2, 0.25F * diagonal2);
+      node.best_spread_cosine = std::max(node.best_spread_cosine, get(node.spread_cosine, lane));
+    }
   }
 
   // Rows are the node's axes. A node whose triangles face all ways keeps the coordinate axes.
@@ -135,11 +165,19 @@ class BoxTreeBuilder {
     return {low - slack_ * Vec3::Ones(), high + slack_ * Vec3::Ones()};
   }
 
+  static void set(Lanes& lanes, int lane, float value) {
+    (lane < 4 ? lanes.low : lanes.high)[lane % 4] = value;
+  }
+
+  static float get(const Lanes& lanes, int lane) {
+    return (lane < 4 ? lanes.low : lanes.high)[lane % 4];
+  }
+
   void set_lane(std::size_t id, int lane, const Vec3& low, const Vec3& high, std::int32_t child) {
     BoxTree::Node& node = tree_.nodes_[id];
     for (int axis = 0; axis < 3; ++axis) {
-      node.low[axis][lane] = std::nextafter(static_cast<float>(low[axis]), -kInfinity);
-      node.high[axis][lane] = std::nextafter(static_cast<float>(high[axis]), kInfinity);
+      set(node.low[axis], lane, std::nextafter(static_cast<float>(low[axis]), -kInfinity));
+      set(node.high[axis], lane, std::nextafter(static_cast<float>(high[axis]), kInfinity));
     }
     node.child[lane] = child;
   }
@@ -155,15 +193,15 @@ class BoxTreeBuilder {
     }
     const double cosine = std::max(-1.0, least - kRounding);
     BoxTree::Node& node = tree_.nodes_[id];
-    node.spread_cosine[lane] = border ? kAnyDirection : static_cast<float>(cosine);
-    node.spread_sine[lane] = static_cast<float>(std::sqrt(std::max(0.0, 1 - cosine * cosine)));
+    set(node.spread_cosine, lane, border ? kAnyDirection : static_cast<float>(cosine));
+    set(node.spread_sine, lane, static_cast<float>(std::sqrt(std::max(0.0, 1 - cosine * cosine))));
   }
 
   void leave_empty(std::size_t id, int lane) {
     BoxTree::Node& node = tree_.nodes_[id];
     for (int axis = 0; axis < 3; ++axis) {
-      node.low[axis][lane] = kInfinity;
-      node.high[axis][lane] = -kInfinity;
+      set(node.low[axis], lane, kInfinity);
+      set(node.high[axis], lane, -kInfinity);
     }
     node.child[lane] = 0;
   }

@@ -17,6 +17,7 @@ constexpr double kLookAhead = 5;
 // [mm] A tick that moves farther than this is a jump, and what lies between is looked at.
 constexpr double kJump = 2;
 
+// Its sign tells: positive in front of the skin, negative behind.
 double side_of(const ContactMesh& mesh, const SurfacePoint& at, const Vec3& center) {
   return mesh.side_normal(at).dot(center - at.on.point);
 }
@@ -181,19 +182,28 @@ Side follow(const ContactMesh& mesh, double radius, const Vec3& center, ProxySta
   return leave(state, std::sqrt(at.distance2));
 }
 
-// The common case, settled by one walk down the tree: in contact from outside before and after, and
-// the nearest point is where the proxy slides to by itself.
+// The common case, settled by a walk down the tree: in contact from outside before and after, and
+// the nearest point is where the proxy slides to by itself. Where two facets of a hollow meet, the
+// proxy slides to the one and the other is nearer by a hair: then it goes on from there.
 bool slides_on(const ContactMesh& mesh, double radius, const Vec3& center, ProxyState& state,
                Contact& contact) {
+  constexpr int kHollows =
+      3;  // facets taken one after the other, before the whole surface is asked
   if (!state.touching || (center - state.center).squaredNorm() >= kJump * kJump) return false;
-  const SurfacePoint local = mesh.descend(center, state.anchor);
-  if (local.distance2 >= radius * radius || side_of(mesh, local, center) < 0) return false;
-  const Beside beside = look_beside(mesh, radius, center, local);
-  if (!beside.nearest) return false;
-  touch(state, local, false);
-  contact = beside.other.found() ? rest_on_two(mesh, radius, center, local, beside.other)
-                                 : rest_on_point(mesh, radius, local, false);
-  return true;
+  SurfacePoint local = mesh.descend(center, state.anchor);
+  for (int hollow = 0; hollow < kHollows; ++hollow) {
+    if (local.distance2 >= radius * radius || side_of(mesh, local, center) < 0) return false;
+    const Beside beside = look_beside(mesh, radius, center, local);
+    if (!beside.nearest) {
+      local = mesh.descend(center, beside.other);
+      continue;
+    }
+    touch(state, local, false);
+    contact = beside.other.found() ? rest_on_two(mesh, radius, center, local, beside.other)
+                                   : rest_on_point(mesh, radius, local, false);
+    return true;
+  }
+  return false;
 }
 
 }  // namespace

@@ -277,6 +277,16 @@ Contact rest_on_others(const ContactMesh& mesh, double radius, const Vec3& cente
   return contact.count > 0 ? contact : one_point(mesh, flanks.flank[0].at, flanks.flank[0].depth);
 }
 
+// A triangle below the plane through the nearest point so far, across the way to the tool, is not
+// nearer: the ball about the tool only touches that plane.
+bool rises(const ContactMesh& mesh, std::int32_t triangle, const Vec3& point, const Vec3& toward,
+           double level) {
+  const Triangle& t = mesh.triangles[triangle];
+  const double a = toward.dot(mesh.points[t[0]] - point), b = toward.dot(mesh.points[t[1]] - point),
+               c = toward.dot(mesh.points[t[2]] - point);
+  return std::max(a, std::max(b, c)) > level;
+}
+
 }  // namespace
 
 Beside look_beside(const ContactMesh& mesh, double radius, const Vec3& center,
@@ -287,9 +297,18 @@ Beside look_beside(const ContactMesh& mesh, double radius, const Vec3& center,
   rest.center = center;
   rest.distance2 = point.distance2;
   beside.other.distance2 = radius * radius;
+  const Vec3 toward = center - point.on.point;
+  // [mm^2] Heights above the plane across `toward` times its length: 1e-9 mm, or some nN.
+  const double level = 1e-9 * std::sqrt(point.distance2);
   mesh.tree.visit_others(rest, [&](std::int32_t triangle, bool other) {
-    beside.nearest = !(mesh.measure(triangle, center).distance2 < point.distance2);
-    if (!beside.nearest) return -1.0;
+    if (triangle == point.triangle) return beside.other.distance2;
+    if (rises(mesh, triangle, point.on.point, toward, level)) {
+      const SurfacePoint s = mesh.measure(triangle, center);
+      if (s.distance2 < point.distance2) {
+        beside = {false, s};
+        return -1.0;
+      }
+    }
     if (other) consider(mesh, rest, triangle, beside.other);
     return beside.other.distance2;
   });

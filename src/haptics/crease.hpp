@@ -23,7 +23,9 @@ namespace palpate::haptics {
 /// What lies beside a proxy that rests at a point.
 struct Beside {
   bool nearest = true;  ///< no skin is nearer to the tool than the point
-  SurfacePoint other;   ///< the nearest other contact of the proxy, where `nearest`; or none
+  /// Where `nearest`, the nearest other contact of the proxy, or none; else a point nearer to the
+  /// tool than the one asked about.
+  SurfacePoint other;
 };
 /// Looks about the proxy that rests at `point` for a tool whose `center` lies outside: one walk
 /// down the tree tells what rest_on_flanks() and a search for the nearest point would find.

@@ -11,8 +11,9 @@ CurveValue CurveTable::evaluate(std::int32_t row, double d) const {
   const double* u = travel.data() + static_cast<std::size_t>(row) * knots;
   const double* f =
       force.size() == knots ? force.data() : force.data() + static_cast<std::size_t>(row) * knots;
+  // No branch depends on the travel: it would be guessed wrong at each tick that changes piece.
   std::size_t i = 0;
-  while (i + 1 < knots && d >= u[i]) ++i;
+  for (std::size_t j = 0; j + 1 < knots; ++j) i += d >= u[j] ? 1 : 0;
   const double u0 = i ? u[i - 1] : 0;
   const double f0 = i ? f[i - 1] : 0;
   const double k = (f[i] - f0) / (u[i] - u0);
@@ -21,7 +22,8 @@ CurveValue CurveTable::evaluate(std::int32_t row, double d) const {
   if constexpr (kEnergy) {
     energy = 0.5 * (value + f0) * (d - u0);
     if (i) energy += 0.5 * f[0] * u[0];
-    for (std::size_t j = 1; j < i; ++j) energy += 0.5 * (f[j] + f[j - 1]) * (u[j] - u[j - 1]);
+    for (std::size_t j = 1; j < knots; ++j)
+      energy += j < i ? 0.5 * (f[j] + f[j - 1]) * (u[j] - u[j - 1]) : 0;
   }
   return {value, k, energy};
 }
