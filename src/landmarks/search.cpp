@@ -3,6 +3,8 @@
 // surroundings, as the nose does in the model; the roll about that direction is tried in steps. The
 // statistical face is laid on the surface for each hypothesis, roughly for all, better for the
 // best.
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <numbers>
@@ -64,10 +66,13 @@ struct Selection {
 
 void refine(const Skin& skin, std::vector<Hypothesis>& all, const FitSchedule& schedule,
             const Pins& pins, const Selection& selection, const Progress& progress) {
-  for (Hypothesis& h : all) {
+  constexpr std::size_t kAtOnce = 32;  // hypotheses between two looks at whether to go on
+  for (std::size_t first = 0; first < all.size(); first += kAtOnce) {
     progress.step("landmarks", 0);
-    h.pose = fit_pose(skin, h.pose, schedule, pins);
-    h.cost = judge(skin, h.pose, selection.stride).cost();
+    tbb::parallel_for(first, std::min(all.size(), first + kAtOnce), [&](std::size_t i) {
+      all[i].pose = fit_pose(skin, all[i].pose, schedule, pins);
+      all[i].cost = judge(skin, all[i].pose, selection.stride).cost();
+    });
   }
   keep_best(all, selection.keep);
 }

@@ -74,12 +74,30 @@ WingRow wing_row(const Relief& relief, double y, double side, double from, doubl
   return row;
 }
 
+// Each row as most of those around it are: a spike of the scan beside the nose (one bad point of
+// it) is steep over a row or three, a wing's wall over ten and more.
+std::vector<WingRow> without_spikes(const std::vector<WingRow>& rows, int reach) {
+  std::vector<WingRow> calm = rows;
+  const int n = static_cast<int>(rows.size());
+  for (int i = 0; i < n; ++i) {
+    std::vector<WingRow> around(rows.begin() + std::max(0, i - reach),
+                                rows.begin() + std::min(n, i + reach + 1));
+    const auto middle = around.begin() + around.size() / 2;
+    std::nth_element(around.begin(), middle, around.end(),
+                     [](const WingRow& a, const WingRow& b) { return a.steepest < b.steepest; });
+    calm[i].steepest = middle->steepest;
+    calm[i].crease = middle->crease;
+  }
+  return calm;
+}
+
 }  // namespace
 
 // The wing's wall stands between the steepest place and the crease; the corner is half way, at the
 // height where the wall stands farthest out (the middle of the rows within 1.5 mm of that).
 Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess) {
   constexpr double kUpDown = 8, kAcross = 7, kFarthest = 1.5;  // [mm]; the guess errs by 5 at most
+  constexpr double kSpike = 2;  // [mm] half of the height that a spike's rows stay below
   const double side = guess.x() > 0 ? 1 : -1, a = std::abs(guess.x());
   std::vector<WingRow> rows;
   double steepest = 0, widest = 0;
@@ -91,6 +109,7 @@ Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess) {
   // overhangs (a hooked tip) is steeper than any wing and must not set the scale.
   constexpr double kGentlest = 1, kSteepWing = 4;  // [-] 45 and 76 degrees
   if (steepest < kGentlest) return guess;
+  rows = without_spikes(rows, static_cast<int>(kSpike / relief.step));
   const double enough = 0.5 * std::min(steepest, kSteepWing);
   const auto counts = [&](const WingRow& row) { return row.slope > enough; };
   for (const WingRow& row : rows) {
@@ -105,7 +124,10 @@ Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess) {
   }
   if (weight <= 0) return guess;
   const Vec3 corner(side * x / weight, y / weight, relief.height(side * x / weight, y / weight));
-  return corner.allFinite() ? corner : guess;
+  // Farther off than the guess ever errs, it is not the wing that was found.
+  constexpr double kTrust = 6;  // [mm]; on good scans the two lie 0.2 to 3 mm apart
+  const double apart = std::hypot(corner.x() - guess.x(), corner.y() - guess.y());
+  return corner.allFinite() && apart < kTrust ? corner : guess;
 }
 
 }  // namespace palpate::landmarks
