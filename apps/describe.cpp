@@ -3,6 +3,7 @@
 
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/landmark_text.hpp"
@@ -146,6 +147,7 @@ json describe(const TouchableHead& head) {
           {"tool_radius_mm", head.map.tool_radius},
           {"forces_n", head.map.forces},
           {"status", status},
+          {"completed", std::count(head.completed.begin(), head.completed.end(), 1)},
           {"regions", report::to_json(report::region_summary(head))},
           {"provenance", head.provenance},
           {"run", head.run}};

@@ -53,6 +53,9 @@ void run_inspect(Command& c) {
                                   static_cast<VertexStatus>(s)))
       text += fmt::format("{} {}: {} vertices\n", s == 0 ? "status" : "      ",
                           kVertexStatusNames[s], n);
+  if (!head.completed.empty())
+    text += fmt::format("a face alone: {} vertices rest on skin that was completed, not scanned\n",
+                        std::count(head.completed.begin(), head.completed.end(), 1));
   text += published_text(head);
   if (summary.kendall_tau)
     text += fmt::format("Kendall tau against the published order: {:.2f}\n", *summary.kendall_tau);
@@ -70,6 +73,10 @@ SurfaceMesh skin_mm(const TouchableHead& head) {
 
 /// Tetrahedra anew from the head's own skin and skull.
 TissueMesh rebuild_tissue(const TouchableHead& head, const Command& c, const Progress& progress) {
+  if (!head.completed.empty())
+    throw InputError(
+        "export --tissue: this head was completed from a face alone, and the file holds the face; "
+        "mesh the scan itself: palpate mesh SCAN -o tissue.vtu");
   const auto working = surface::make_working_surface(skin_mm(head), c.options.repair, progress);
   HeadSurface surface;
   surface.skin =

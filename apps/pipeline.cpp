@@ -74,7 +74,8 @@ static landmarks::Detection detect(const PreparedScan& scan, const landmarks::De
   found.warnings.insert(
       found.warnings.begin(),
       fmt::format("the scan is a face without the back of its head: {:.0f} % of the skin was "
-                  "completed from the bundled head, bent to this face; the bone there is a guess",
+                  "completed from the bundled head, bent to this face; the bone there is a guess, "
+                  "and vertices that feel it are marked",
                   100 * completed->completed_share));
   return found;
 }
@@ -198,6 +199,7 @@ TouchableHead assemble(const PreparedScan& scan, const LocatedHead& located, con
   head.skull_region = skull.region;
   head.skull_spread = skull.spread;
   head.spread = mapped.spread;
+  head.completed = stiffness::rests_on_completed(mapped.map, located.head, located.points);
   head.depths = skull.depths;
   head.map = mapped.map;
   head.provenance = {

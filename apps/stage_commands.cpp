@@ -83,9 +83,20 @@ void run_place(Command& c) {
                fmt::format("skull template placed: {} (scan frame, mm)\n", c.output.string()));
 }
 
-void run_fit(Command& c) {
+/// The skin that the skull was fitted into, in the scan's frame, with what each point is.
+void write_skin(const std::filesystem::path& path, const LocatedHead& located) {
+  const HeadFrame& frame = located.detection.frame;
+  const std::vector<double> filled(located.head.filled.begin(), located.head.filled.end());
+  io::write_columns_ply(path,
+                        transformed(located.head.skin, frame.rotation.transpose(), frame.origin),
+                        {{"filled", filled}});
+}
+
+void run_fit(Command& c, const std::filesystem::path& skin) {
   check_writable(c.output);
+  if (!skin.empty()) check_writable(skin);
   Start start(c);
+  if (!skin.empty()) write_skin(skin, start.located);
   const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
   const HeadFrame& frame = start.located.detection.frame;
   io::write_surface(c.output, transformed(skull.mesh, frame.rotation.transpose(), frame.origin));
@@ -147,8 +158,14 @@ void add_stage_commands(CLI::App& app) {
   add_output_option(sub, c, "placed skull: .ply .obj .stl .off");
 
   c = std::make_shared<Command>();
+  const auto skin = std::make_shared<std::filesystem::path>();
   sub = add_subcommand(app, "fit", "scan -> skull fitted under the skin",
-                       "Example:  palpate fit scan.obj -o skull.ply", c, run_fit);
+                       "Example:  palpate fit scan.obj -o skull.ply", c,
+                       [skin](Command& command) { run_fit(command, *skin); });
+  sub->add_option(
+      "--skin", *skin,
+      "also write the closed skin, .ply; `filled` per vertex: 0 scanned, 1 closed hole, "
+      "2 completed from another head (a face alone)");
   add_scan_options(sub, c);
   add_landmark_options(sub, c);
   add_fit_options(sub, c);

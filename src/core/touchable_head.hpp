@@ -20,8 +20,11 @@ struct TouchableHead {
   std::vector<SkullRegion> skull_region;
   std::vector<double> skull_spread;  ///< [mm] one per skull vertex, or empty: SkullFit::spread
   std::vector<DepthRow> depths;
-  StiffnessMap map;           ///< one row per skin vertex
-  MapSpread spread;           ///< of the map; may be empty
+  StiffnessMap map;  ///< one row per skin vertex
+  MapSpread spread;  ///< of the map; may be empty
+  /// One per skin vertex: 1 where its result rests on skin that was completed, not scanned
+  /// (docs/method/landmarks.md). Empty where nothing was completed.
+  std::vector<std::uint8_t> completed;
   nlohmann::json provenance;  ///< input hash, version, every option, fit and mesh statistics
   nlohmann::json run;         ///< timings and thread count: all that may differ between equal runs
 };

@@ -18,7 +18,8 @@ namespace palpate::io {
 void write_surface(const std::filesystem::path& path, const SurfaceMesh& mesh);
 /// One row per vertex in input order, scan frame, mm: vertex,x,y,z,region,depth_mm,status,error,
 /// f_1..f_n,u_1..u_n, and, where the spread is known,
-/// depth_sd_mm,stiffness_low,stiffness_high; a JSON sidecar `<path>.json` says what each column is.
+/// depth_sd_mm,stiffness_low,stiffness_high, and completed of a completed face; a JSON sidecar
+/// `<path>.json` says what each column is.
 void write_map_csv(const std::filesystem::path& path, const TouchableHead& head);
 /// Skin in mm, scan frame, with the map as vertex properties.
 void write_map_ply(const std::filesystem::path& path, const TouchableHead& head);

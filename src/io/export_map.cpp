@@ -75,6 +75,8 @@ json column_notes(const TouchableHead& head) {
     add("stiffness_low", "N/mm", "lower end of the 95 % range of force / travel at 2 N");
     add("stiffness_high", "N/mm", "upper end");
   }
+  if (!head.completed.empty())
+    add("completed", "", "1: rests on skin that was completed, not scanned; else 0");
   return notes;
 }
 
@@ -99,6 +101,7 @@ void write_map_csv(const std::filesystem::path& path, const TouchableHead& head)
     out += ",depth_sd_mm,stiffness_low,stiffness_high";
     low = stiffness_end(head, -2), high = stiffness_end(head, 2);
   }
+  if (!head.completed.empty()) out += ",completed";
   out += '\n';
   std::string forces;
   for (const double f : map.forces) forces += fmt::format(",{}", f);
@@ -117,6 +120,7 @@ void write_map_csv(const std::filesystem::path& path, const TouchableHead& head)
     for (const double u : map.curve(v))
       number(map.has_curve(v) ? u : std::numeric_limits<double>::quiet_NaN());
     if (!head.spread.empty()) number(head.spread.depth[v]), number(low[v]), number(high[v]);
+    if (!head.completed.empty()) out += head.completed[v] ? ",1" : ",0";
     out += '\n';
   }
   json sidecar;
@@ -155,6 +159,7 @@ void write_map_ply(const std::filesystem::path& path, const TouchableHead& head)
     out +=
         "property float depth_sd_mm\nproperty float stiffness_low\nproperty float "
         "stiffness_high\n";
+  if (!head.completed.empty()) out += "property uchar completed\n";
   fmt::format_to(to, "element face {}\nproperty list uchar int vertex_indices\nend_header\n",
                  head.skin.triangles.size());
   const auto put = [&out](auto value) {
@@ -175,6 +180,7 @@ void write_map_ply(const std::filesystem::path& path, const TouchableHead& head)
     for (const double u : map.curve(v)) put(static_cast<float>(u));
     if (!head.spread.empty())
       put(static_cast<float>(head.spread.depth[v])), put(low[v]), put(high[v]);
+    if (!head.completed.empty()) put(head.completed[v]);
   }
   for (const Triangle& t : head.skin.triangles) {
     put(std::uint8_t{3});
@@ -209,6 +215,7 @@ void write_map_vtp(const std::filesystem::path& path, const TouchableHead& head)
     xml.array("stiffness_low", stiffness_end(head, -2));
     xml.array("stiffness_high", stiffness_end(head, 2));
   }
+  if (!head.completed.empty()) xml.array("completed", head.completed);
   xml.line("</PointData>");
   std::vector<float> points;
   for (std::size_t v = 0; v < map.size(); ++v)

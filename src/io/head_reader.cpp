@@ -226,6 +226,8 @@ class HeadReader {
       for (std::vector<double>* column : {&head_.spread.depth, &head_.spread.stiffness})
         std::replace(column->begin(), column->end(), -1.0, kNaN);
     }
+    if (extension_->contains("completed"))
+      for (const double c : values(primitive, "_COMPLETED", n)) head_.completed.push_back(c != 0);
     if (!extension_->contains("dents")) return;
     const json& dents = member(*extension_, "dents");
     constexpr std::size_t kMaxRings = 100;

@@ -38,6 +38,8 @@ void check_map(const TouchableHead& head) {
   for (const std::vector<double>* column : {&head.spread.depth, &head.spread.stiffness})
     if (column->size() != (head.spread.empty() ? 0 : n))
       refuse(fmt::format("the spread has not one row for each of the {} vertices", n));
+  if (!head.completed.empty() && head.completed.size() != n)
+    refuse(fmt::format("the marks of completed skin are not one for each of the {} vertices", n));
   if (!head.skull_spread.empty() && head.skull_spread.size() != head.skull.points.size())
     refuse("the skull's spread has not one row for each of its vertices");
   if (head.skull_region.size() != head.skull.points.size())
@@ -122,6 +124,8 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
     attributes["_DEPTH_SD"] = glb.add_floats(floats(head.spread.depth, or_missing), 1);
     attributes["_STIFFNESS_SD"] = glb.add_floats(floats(head.spread.stiffness, or_missing), 1);
   }
+  if (!head.completed.empty())
+    attributes["_COMPLETED"] = glb.add_floats(floats(head.completed, code), 1);
   for (std::size_t r = 0; r < map.dents.radii.size(); ++r) {
     std::vector<float> ring;
     for (std::size_t v = 0; v < map.size(); ++v)
@@ -198,6 +202,8 @@ json extension(const TouchableHead& head, const StiffnessColours& colours) {
     out["spread"] = {{"depth", "one standard deviation [mm]"},
                      {"stiffness", "one standard deviation of ln(force / travel) at force_n"},
                      {"force_n", kColourForce}};
+  if (!head.completed.empty())
+    out["completed"] = "1: rests on skin that was completed, not scanned";
   out["skin_region_names"] = kSkinRegionNames;
   out["skull_region_names"] = kSkullRegionNames;
   out["colour"] = {{"quantity", "force / travel"}, {"force_n", kColourForce}, {"unit", "N/mm"},

@@ -172,6 +172,10 @@ Rgb status_color(VertexStatus status) {
   return plot::missing_color();
 }
 
+Rgb mark_color(bool marked) {
+  return marked ? Rgb{0.93, 0.58, 0.20} : Rgb{0.47, 0.69, 0.87};
+}
+
 static std::vector<SurfaceMesh> meshes_of(const TouchableHead& head) {
   SurfaceMesh skin = skin_in_head_frame(head);
   SurfaceMesh dots = beads(head.map, skin.points);
@@ -245,6 +249,14 @@ Image HeadPictures::depth(View view, const ColorRange& range) const {
 
 Image HeadPictures::stiffness(View view, const ColorRange& range) const {
   return values(view, all_stiffness(*map_), range);
+}
+
+Image HeadPictures::marked(View view, const std::vector<std::uint8_t>& marks) const {
+  Look look;
+  for (const std::uint8_t m : marks) look.colors.push_back(mark_color(m != 0));
+  look.nearest = true;
+  look.relief = kMapRelief;
+  return painted(view, std::move(look));
 }
 
 Image HeadPictures::regions(View view) const {

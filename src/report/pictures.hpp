@@ -3,6 +3,7 @@
 #pragma once
 #include <array>
 #include <string>
+#include <vector>
 
 #include "core/touchable_head.hpp"
 #include "report/render.hpp"
@@ -25,6 +26,7 @@ struct ColorRange {
 
 [[nodiscard]] Rgb region_color(SkinRegion region);
 [[nodiscard]] Rgb status_color(VertexStatus status);
+[[nodiscard]] Rgb mark_color(bool marked);
 
 /// Builds the trees once. All pictures are in the head frame, [mm].
 class HeadPictures {
@@ -40,6 +42,8 @@ class HeadPictures {
   /// Any number per vertex in the sequential colours; NaN is grey.
   [[nodiscard]] Image values(View view, const std::vector<double>& values,
                              const ColorRange& range) const;
+  /// Vertices marked with 1 (one mark per vertex) beside the others.
+  [[nodiscard]] Image marked(View view, const std::vector<std::uint8_t>& marks) const;
   [[nodiscard]] Image regions(View view) const;
   [[nodiscard]] Image status(View view) const;  ///< solved points as beads
   /// The face with its landmarks, names and confidences beside it, as SVG that carries the picture.

@@ -48,11 +48,26 @@ Page::Table region_table(const TouchableHead& head) {
   return t;
 }
 
+void add_completed(Page& page, const TouchableHead& head, const HeadPictures& pictures) {
+  if (head.completed.empty()) return;
+  const auto marked = std::count(head.completed.begin(), head.completed.end(), 1);
+  page.pictures(
+      {{data_url(pictures.marked(View::front, head.completed)), "front"},
+       {data_url(pictures.marked(View::three_quarter, head.completed)), "three-quarter"},
+       {data_url(pictures.marked(View::left, head.completed)), "from the subject's left"}},
+      "",
+      fmt::format(
+          "The scan is a face alone. Orange: {} of {} vertices whose piece of tissue reaches "
+          "skin that was completed from another head; trust the blue ones.",
+          grouped(static_cast<std::size_t>(marked)), grouped(head.completed.size())));
+}
+
 }  // namespace
 
 void add_spread(Page& page, const TouchableHead& head, const HeadPictures& pictures) {
   if (head.spread.empty()) return;
   page.section("spread", "Error bars");
+  add_completed(page, head, pictures);
   page.paragraph(
       "The skull is estimated from the skin, and flesh differs between people. One standard "
       "deviation of the depth and the 95 % range of the stiffness that follow from both are "

@@ -134,12 +134,24 @@ DepthAgreement depth_agreement(const std::vector<DepthRow>& depths) {
   return a;
 }
 
+/// Of a face alone.
+static void judge_completion(Judge& out, const std::vector<std::uint8_t>& completed) {
+  const auto marked =
+      static_cast<std::size_t>(std::count(completed.begin(), completed.end(), std::uint8_t{1}));
+  if (marked > 0)
+    out.care(
+        fmt::format("The scan is a face alone and its head was completed from another: at {} of "
+                    "{} vertices the result rests on skin that nobody scanned.",
+                    grouped(marked), grouped(completed.size())));
+}
+
 Verdict judge(const TouchableHead& head, const RegionSummary& summary) {
   Judge out;
   judge_curves(out, head.map);
   judge_depths(out, head.depths);
   judge_order(out, summary);
   judge_landmarks(out, head.landmarks);
+  judge_completion(out, head.completed);
   out.care(
       "The skull is inferred from the skin, not seen: a single depth can be several "
       "millimetres off, and the travel at that place with it.");

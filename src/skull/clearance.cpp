@@ -6,6 +6,8 @@
 // the other side too; then the reach is narrowed.
 #include "skull/clearance.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 
@@ -21,13 +23,14 @@ struct Push {
 
 std::vector<Push> needed_pushes(const std::vector<Vec3>& points, const SkinField& skin,
                                 double wanted, double longest, double threshold) {
+  std::vector<double> depth(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(),
+                    [&](std::size_t i) { depth[i] = skin.depth(points[i]); });
   std::vector<Push> pushes;
-  for (const Vec3& p : points) {
-    const double depth = skin.depth(p);
-    if (depth >= threshold) continue;
-    const SkinDepth d = skin.at(p);
-    pushes.push_back({p, std::min(wanted - depth, longest) * d.gradient});
-  }
+  for (std::size_t i = 0; i < points.size(); ++i)
+    if (depth[i] < threshold)
+      pushes.push_back(
+          {points[i], std::min(wanted - depth[i], longest) * skin.at(points[i]).gradient});
   return pushes;
 }
 

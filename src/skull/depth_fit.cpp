@@ -4,6 +4,8 @@
 // spline works in the template's frame, where the mirror plane is x = 0.
 #include "skull/depth_fit.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -188,36 +190,49 @@ double stiffness_energy(const SplineSystem& s, const Eigen::MatrixX3d& control) 
   return 0.5 * u.dot(s.stiffness * u);
 }
 
+/// What the points of one lattice cell ask of its 64 control points.
+struct CellRows {
+  Eigen::MatrixXd hessian;  // 192 x 192; empty where nothing is asked
+  Eigen::VectorXd pull;
+};
+
+CellRows cell_rows(const SplineSystem& s, const SkullMap& map,
+                   const std::vector<const Row*>& rows) {
+  if (rows.empty()) return {};
+  Eigen::MatrixXd jacobian(192, rows.size());
+  Eigen::VectorXd weight(rows.size()), pull(rows.size());
+  for (std::size_t r = 0; r < rows.size(); ++r) {
+    const Vec3 d = map.linear.transpose() * rows[r]->direction;
+    const SplineWeights& w = s.weights[rows[r]->point];
+    for (int a = 0; a < 3; ++a)
+      for (int c = 0; c < 64; ++c) jacobian(64 * a + c, r) = w.share[c] * d[a];
+    weight[r] = rows[r]->weight;
+    pull[r] = rows[r]->weight * rows[r]->residual;
+  }
+  return {jacobian * weight.asDiagonal() * jacobian.transpose(), jacobian * pull};
+}
+
 /// Adds the rows' normal equations, cell by cell: the points of a cell share their control points.
 void add_rows(const Problem& p, const SplineSystem& s, const SkullMap& map,
               const Linearisation& lin, Eigen::MatrixXd& hessian, Eigen::VectorXd& rhs) {
   std::vector<std::vector<const Row*>> rows_of(p.points.size());
   for (const Row& row : lin.rows) rows_of[row.point].push_back(&row);
-  const int n = map.lattice.size();
-  for (const std::vector<std::int32_t>& members : s.by_cell) {
+  std::vector<CellRows> cells(s.by_cell.size());
+  tbb::parallel_for(std::size_t{0}, cells.size(), [&](std::size_t k) {
     std::vector<const Row*> rows;
-    for (const std::int32_t i : members)
+    for (const std::int32_t i : s.by_cell[k])
       rows.insert(rows.end(), rows_of[i].begin(), rows_of[i].end());
-    if (rows.empty()) continue;
-    Eigen::MatrixXd jacobian(192, rows.size());
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      const Vec3 d = map.linear.transpose() * rows[r]->direction;
-      const SplineWeights& w = s.weights[rows[r]->point];
-      for (int a = 0; a < 3; ++a)
-        for (int c = 0; c < 64; ++c) jacobian(64 * a + c, r) = w.share[c] * d[a];
-    }
-    Eigen::VectorXd weight(rows.size()), pull(rows.size());
-    for (std::size_t r = 0; r < rows.size(); ++r) {
-      weight[r] = rows[r]->weight;
-      pull[r] = rows[r]->weight * rows[r]->residual;
-    }
-    const Eigen::MatrixXd local = jacobian * weight.asDiagonal() * jacobian.transpose();
-    const Eigen::VectorXd local_rhs = jacobian * pull;
-    const SplineWeights& w = s.weights[members.front()];
+    cells[k] = cell_rows(s, map, rows);
+  });
+  const int n = map.lattice.size();
+  for (std::size_t k = 0; k < cells.size(); ++k) {
+    if (cells[k].pull.size() == 0) continue;
+    const SplineWeights& w = s.weights[s.by_cell[k].front()];
     for (int q = 0; q < 192; ++q) {
       const int col = q / 64 * n + w.control[q % 64];
-      rhs[col] += local_rhs[q];
-      for (int r = 0; r < 192; ++r) hessian(r / 64 * n + w.control[r % 64], col) += local(r, q);
+      rhs[col] += cells[k].pull[q];
+      for (int r = 0; r < 192; ++r)
+        hessian(r / 64 * n + w.control[r % 64], col) += cells[k].hessian(r, q);
     }
   }
 }

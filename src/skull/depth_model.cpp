@@ -6,6 +6,8 @@
 // process with known noise) interpolates them and says how far to trust the result away from them.
 #include "skull/depth_model.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
@@ -143,9 +145,10 @@ std::vector<double> visible_area(const SurfaceMesh& mesh, const std::vector<Site
     for (const std::int32_t v : t) area[v] += a;
   }
   const surface::SurfaceQuery query(mesh);
-  for (std::size_t i = 0; i < sites.size(); ++i)
+  tbb::parallel_for(std::size_t{0}, sites.size(), [&](std::size_t i) {
     if (query.cast(sites[i].position + 0.5 * sites[i].normal, sites[i].normal, kShadowReach))
       area[i] = 0;
+  });
   return area;
 }
 

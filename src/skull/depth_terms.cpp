@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "skull/depth_terms.hpp"
 
+#include <tbb/parallel_for.h>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -119,14 +121,14 @@ Standing standing(const std::vector<FitPoint>& points, const std::vector<Vec3>& 
                   const FitOptions& options) {
   Standing s{std::vector<std::uint8_t>(points.size(), 0),
              std::vector<std::uint8_t>(points.size(), 0)};
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (points[i].kind == FitPoint::Kind::registration) continue;
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (points[i].kind == FitPoint::Kind::registration) return;
     const SkinDepth d = skin.at(positions[i]);
     const bool facing = points[i].kind == FitPoint::Kind::landmark ||
                         normals[i].dot(-d.gradient) > options.depth.facing;
-    s.drawn[i] = d.known && facing && points[i].weight > 0;
+    s.drawn[i] = (d.known || d.completed) && facing && points[i].weight > 0;
     s.limited[i] = !d.open && points[i].limit_weight > 0;
-  }
+  });
   return s;
 }
 
@@ -136,6 +138,10 @@ Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<V
   const DepthFitOptions& o = options.depth;
   const double limit = options.clearance + o.limit_margin;
   const double limit_stiffness = 1 / (o.limit_sd * o.limit_sd);
+  std::vector<SkinDepth> depth(points.size());
+  tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
+    if (standing.drawn[i] || standing.limited[i]) depth[i] = skin.at(positions[i]);
+  });
   Linearisation out;
   for (std::size_t i = 0; i < points.size(); ++i) {
     const FitPoint& p = points[i];
@@ -148,12 +154,13 @@ Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<V
       continue;
     }
     if (!standing.drawn[i] && !standing.limited[i]) continue;
-    const SkinDepth d = skin.at(positions[i]);
+    const SkinDepth& d = depth[i];
     if (standing.drawn[i]) {
-      const double r = std::abs(d.depth - p.mean) / p.sd;
+      const double sd = d.completed ? std::hypot(p.sd, o.completed_sd) : p.sd;
+      const double r = std::abs(d.depth - p.mean) / sd;
       const double damping = r > o.huber ? o.huber / r : 1.0;
       out.energy += p.weight * (r > o.huber ? o.huber * (r - 0.5 * o.huber) : 0.5 * r * r);
-      out.rows.push_back({index, d.gradient, p.mean - d.depth, p.weight * damping / (p.sd * p.sd)});
+      out.rows.push_back({index, d.gradient, p.mean - d.depth, p.weight * damping / (sd * sd)});
     }
     if (standing.limited[i] && d.depth < limit) {
       const double weight = p.limit_weight * limit_stiffness;

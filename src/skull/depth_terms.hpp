@@ -49,7 +49,7 @@ struct Linearisation {
 /// What may be asked of each point where it is now; kept while a step is tried, so that the energy
 /// is continuously differentiable.
 struct Standing {
-  std::vector<std::uint8_t> drawn;    ///< scanned skin is nearest, and bone faces it
+  std::vector<std::uint8_t> drawn;    ///< scanned or completed skin is nearest, and bone faces it
   std::vector<std::uint8_t> limited;  ///< the scan does not end here
 };
 /// @param normals  [-] of the points, head frame
@@ -58,8 +58,8 @@ struct Standing {
                                 const std::vector<Vec3>& normals, const SkinField& skin,
                                 const FitOptions& options);
 
-/// Depth terms of the drawn points (Huber), clearance of the limited ones (one-sided, quadratic),
-/// registration points (quadratic).
+/// Depth terms of the drawn points (Huber; with the wider spread where the skin was completed),
+/// clearance of the limited ones (one-sided, quadratic), registration points (quadratic).
 [[nodiscard]] Linearisation linearise(const std::vector<FitPoint>& points,
                                       const std::vector<Vec3>& positions, const Standing& standing,
                                       const SkinField& skin, const FitOptions& options);

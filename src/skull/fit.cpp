@@ -2,6 +2,7 @@
 #include "skull/fit.hpp"
 
 #include <fmt/format.h>
+#include <tbb/parallel_for.h>
 
 #include <algorithm>
 #include <cmath>
@@ -29,8 +30,10 @@ constexpr double kCutEdge = 3.0;     ///< [mm] triangles of a cut face: the temp
 void set_statistics(SkullFit& fit, const SkinField& skin, double clearance) {
   double least = std::numeric_limits<double>::infinity();
   std::size_t outside = 0, close = 0;
-  for (const Vec3& p : fit.mesh.points) {
-    const double depth = skin.depth(p);
+  std::vector<double> depths(fit.mesh.points.size());
+  tbb::parallel_for(std::size_t{0}, depths.size(),
+                    [&](std::size_t i) { depths[i] = skin.depth(fit.mesh.points[i]); });
+  for (const double depth : depths) {
     least = std::min(least, depth);
     outside += depth < 0;
     close += depth < clearance;
@@ -161,7 +164,9 @@ SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const Sk
   SkullFit fit;
   fit.mesh = skull.mesh;
   for (Vec3& p : fit.mesh.points) p = solved.map(p);
-  SkullSpread spread = draw_spread(skull, fit.mesh.points, solved, model, skin);
+  SpreadOptions doubt;
+  doubt.completed_sd = options.depth.completed_sd;
+  SkullSpread spread = draw_spread(skull, fit.mesh.points, solved, model, skin, doubt);
   fit.spread = std::move(spread.deviation);
   fit.draws = std::move(spread.offset);
   fit.region = skull.region;

@@ -39,10 +39,13 @@ struct DepthFitOptions {
   double limit_area = 400;     ///< [mm^2] of bone whose clearance counts once; the less the firmer
   double landmark_weight = 1;  ///< [-] observations per landmark of the table
   double registration_sd = 4;  ///< [mm] spread of eye corners, alae and nose tip against bone
-  double ear_sd = 6;    ///< [mm] spread of the auricle's centre against the porion, up and back
-  double chin_sd = 6;   ///< [mm] spread of the height of the skin's chin against the bone's
-  double facing = 0.3;  ///< [-] least cosine between bone normal and direction to the skin
-  double huber = 2;     ///< [sd] beyond which a misfit pulls no harder
+  double ear_sd = 6;   ///< [mm] spread of the auricle's centre against the porion, up and back
+  double chin_sd = 6;  ///< [mm] spread of the height of the skin's chin against the bone's
+  /// [mm] spread of skin that was completed from another head against the person's own
+  /// (HeadSurface::filled == 2), on top of the table's spread of depth below it
+  double completed_sd = 6;
+  double facing = 0.3;           ///< [-] least cosine between bone normal and direction to the skin
+  double huber = 2;              ///< [sd] beyond which a misfit pulls no harder
   double limit_margin = 0.3;     ///< [mm] on top of the clearance while fitting
   double limit_sd = 0.5;         ///< [mm] give of the clearance while fitting
   double least_jacobian = 0.3;   ///< [-] below it the spline is made stiffer and solved again

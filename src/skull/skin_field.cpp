@@ -21,24 +21,31 @@ bool behind_a_cap(const registration::ScanEnds& ends, const Vec3& p) {
 SkinField::SkinField(const HeadSurface& head)
     : query_(head.skin), ends_(registration::find_scan_ends(head)) {
   for (const Triangle& t : head.skin.triangles) {
-    bool unknown = false, cap = true;
-    for (const std::int32_t v : t)
-      unknown = unknown || ends_.no_scan[v] ||
-                (static_cast<std::size_t>(v) < head.region.size() && stands_off(head.region[v]));
-    for (const std::int32_t v : t) cap = cap && ends_.cap[v];
+    bool off = false, no_scan = false, cap = true, any_cap = false, closed = false, other = false;
+    for (const std::int32_t v : t) {
+      const auto i = static_cast<std::size_t>(v);
+      off = off || (i < head.region.size() && stands_off(head.region[i]));
+      no_scan = no_scan || ends_.no_scan[i];
+      cap = cap && ends_.cap[i];
+      any_cap = any_cap || ends_.cap[i];
+      closed = closed || (i < head.filled.size() && head.filled[i] == 1);
+      other = other || (i < head.filled.size() && head.filled[i] == 2);
+    }
     cap_.push_back(cap);
-    unknown_.push_back(unknown);
+    unknown_.push_back(no_scan || off);
+    completed_.push_back(other && !off && !any_cap && !closed);
   }
 }
 
 SkinDepth SkinField::at(const Vec3& p) const {
-  const surface::ClosestPoint near = query_.closest(p);
+  const auto [near, distance] = query_.closest_with_sign(p);
   SkinDepth d;
-  d.depth = -query_.signed_distance(p);
+  d.depth = -distance;
   // Both signs: inside, depth grows away from the skin; outside, it grows towards it.
   d.gradient = std::abs(d.depth) > 1e-9 ? Vec3((p - near.point) / d.depth) : Vec3::Zero();
   d.open = cap_[near.triangle] || (d.depth < 0 && behind_a_cap(ends_, p));
   d.known = !unknown_[near.triangle] && !d.open;
+  d.completed = completed_[near.triangle] && !d.open;
   return d;
 }
 

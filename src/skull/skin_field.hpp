@@ -14,6 +14,7 @@ struct SkinDepth {
   double depth = 0;              ///< [mm] shortest distance to the skin; negative outside
   Vec3 gradient = Vec3::Zero();  ///< [-] unit: where depth grows fastest
   bool known = false;            ///< the nearest skin was scanned and belongs to the head's shell
+  bool completed = false;        ///< not known, but completed from another head; of its shell too
   bool open = false;  ///< the scan ends here: the nearest skin is a cap, or the point lies outside
                       ///< the skin and behind a cap's plane
 };
@@ -32,8 +33,9 @@ class SkinField {
  private:
   surface::SurfaceQuery query_;
   registration::ScanEnds ends_;
-  std::vector<std::uint8_t> cap_;      // per triangle: part of a cap
-  std::vector<std::uint8_t> unknown_;  // per triangle: filled, a cap, ear or neck
+  std::vector<std::uint8_t> cap_;        // per triangle: part of a cap
+  std::vector<std::uint8_t> unknown_;    // per triangle: filled, a cap, ear or neck
+  std::vector<std::uint8_t> completed_;  // per triangle: completed, and neither cap, ear nor neck
 };
 
 }  // namespace palpate::skull

@@ -5,6 +5,9 @@
 // (Rahimi & Recht 2007, "Random features for large-scale kernel machines"), times the local spread.
 #include "skull/spread.hpp"
 
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
 #include <cmath>
 #include <map>
 #include <numbers>
@@ -49,12 +52,20 @@ std::vector<double> map_variance(const Eigen::LLT<Eigen::MatrixXd>& factor, cons
                                  const std::vector<SplineWeights>& weights,
                                  const std::vector<SkinDepth>& depth) {
   const int controls = map.lattice.size();
-  const Eigen::MatrixXd covariance =
-      factor.solve(Eigen::MatrixXd::Identity(3 * controls, 3 * controls));
+  constexpr Eigen::Index kBlock = 128;  // columns that one task solves for, whatever the threads
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(3 * controls, 3 * controls);
+  tbb::parallel_for(Eigen::Index{0}, (covariance.cols() + kBlock - 1) / kBlock, [&](auto b) {
+    auto columns =
+        covariance.middleCols(b * kBlock, std::min(kBlock, covariance.cols() - b * kBlock));
+    factor.solveInPlace(columns);
+  });
   std::map<std::int32_t, std::vector<std::size_t>> cells;
   for (std::size_t v = 0; v < weights.size(); ++v) cells[weights[v].control[0]].push_back(v);
+  std::vector<const std::vector<std::size_t>*> all;
+  for (const auto& [first, members] : cells) all.push_back(&members);
   std::vector<double> variance(weights.size());
-  for (const auto& [first, members] : cells) {
+  tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t cell) {
+    const std::vector<std::size_t>& members = *all[cell];
     const auto& control = weights[members.front()].control;
     Eigen::MatrixXd block(192, 192), along(192, members.size());
     for (int q = 0; q < 192; ++q)
@@ -68,7 +79,7 @@ std::vector<double> map_variance(const Eigen::LLT<Eigen::MatrixXd>& factor, cons
     const Eigen::MatrixXd spread = block * along;
     for (std::size_t i = 0; i < members.size(); ++i)
       variance[members[i]] = along.col(i).dot(spread.col(i));
-  }
+  });
   return variance;
 }
 
@@ -82,16 +93,16 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
     throw SolveError("the fit's uncertainty could not be computed: its Hessian is not definite");
   const std::size_t n = fitted.size();
   std::vector<SplineWeights> weights;
-  std::vector<SkinDepth> depth;
-  for (std::size_t v = 0; v < n; ++v) {
-    weights.push_back(solved.map.lattice.weights(skull.mesh.points[v]));
-    depth.push_back(skin.at(fitted[v]));
-  }
+  for (const Vec3& p : skull.mesh.points) weights.push_back(solved.map.lattice.weights(p));
+  std::vector<SkinDepth> depth(n);
+  tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) { depth[v] = skin.at(fitted[v]); });
   const std::vector<double> of_map = map_variance(factor, solved.map, weights, depth);
   std::vector<double> own(n);  // what the map does not show of the table's whole spread
   SkullSpread out{std::vector<double>(n), {}};
   for (std::size_t v = 0; v < n; ++v) {
-    own[v] = std::sqrt(std::max(0.0, model.sd[v] * model.sd[v] - of_map[v]));
+    const double whole =
+        depth[v].completed ? std::hypot(model.sd[v], options.completed_sd) : model.sd[v];
+    own[v] = std::sqrt(std::max(0.0, whole * whole - of_map[v]));
     out.deviation[v] = std::hypot(std::sqrt(of_map[v]), own[v]);
   }
   Normals normal(options.seed);
@@ -107,7 +118,7 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
       w = {Vec3(x, y, zz) / options.range, 2 * std::numbers::pi * normal.uniform()};
     }
     std::vector<Vec3> offset(n);
-    for (std::size_t v = 0; v < n; ++v) {
+    tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) {
       Vec3 u = Vec3::Zero();
       for (int c = 0; c < 64; ++c)
         u += weights[v].share[c] * control.row(weights[v].control[c]).transpose();
@@ -116,7 +127,7 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
       const double up = std::min(0.0, options.least_depth - depth[v].depth);  // as far as it may go
       const double wanted = along + own[v] * field_at(waves, skull.mesh.points[v]);
       offset[v] = moved + (std::max(wanted, up) - along) * inward;
-    }
+    });
     out.offset.push_back(std::move(offset));
   }
   return out;

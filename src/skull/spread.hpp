@@ -7,11 +7,12 @@
 namespace palpate::skull {
 
 struct SpreadOptions {
-  int draws = 32;          ///< skulls drawn; a standard deviation from 32 is good to 12 %
-  double range = 30;       ///< [mm] over which an individual's difference resembles itself: the
-                           ///< range of the depth model
-  double least_depth = 1;  ///< [mm] no drawn bone is nearer to the skin: skin alone is thicker
-  std::uint64_t seed = 1;  ///< of the draws
+  int draws = 32;           ///< skulls drawn; a standard deviation from 32 is good to 12 %
+  double range = 30;        ///< [mm] over which an individual's difference resembles itself: the
+                            ///< range of the depth model
+  double completed_sd = 6;  ///< [mm] DepthFitOptions::completed_sd: more where skin was completed
+  double least_depth = 1;   ///< [mm] no drawn bone is nearer to the skin: skin alone is thicker
+  std::uint64_t seed = 1;   ///< of the draws
 };
 
 struct SkullSpread {
@@ -24,7 +25,8 @@ struct SkullSpread {
 /// posterior, whose prior is the table's depths with their SDs, the spline's bending and its
 /// symmetry. And what a smooth map cannot show: how an individual's bone differs from it, a
 /// Gaussian field that brings the variance along the way to the skin up to the table's. Where the
-/// map itself is less sure than the table (no data near), its doubt stands alone.
+/// map itself is less sure than the table (no data near), its doubt stands alone. Under skin that
+/// was completed from another head, that skin's own doubt is part of the whole spread.
 /// @param fitted  the template's points under `solved.map`, head frame [mm]
 /// @note Deterministic. One Cholesky factorisation and `draws` back substitutions.
 [[nodiscard]] SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fitted,

@@ -14,7 +14,9 @@
 #include <cmath>
 #include <limits>
 
+#include "stiffness/press_sites.hpp"
 #include "stiffness/site_features.hpp"
+#include "surface/point_tree.hpp"
 #include "surface/query.hpp"
 
 namespace palpate::stiffness {
@@ -167,6 +169,24 @@ MapSpread map_spread(const StiffnessMap& map, const HeadSurface& head, const Sku
                                   s.to_modulus * options.modulus_spread, own);
   }
   return out;
+}
+
+std::vector<std::uint8_t> rests_on_completed(const StiffnessMap& map, const HeadSurface& head,
+                                             const std::vector<Vec3>& points) {
+  std::vector<Vec3> completed;
+  for (std::size_t v = 0; v < head.filled.size(); ++v)
+    if (head.filled[v] == 2) completed.push_back(head.skin.points[v]);
+  if (completed.empty()) return {};
+  const surface::PointTree tree(completed);
+  std::vector<surface::PointTree::Neighbour> nearest;
+  std::vector<std::uint8_t> marked(points.size());
+  for (std::size_t p = 0; p < points.size(); ++p) {
+    const double depth = std::isfinite(map.depth[p]) ? map.depth[p] : 1e9;  // the widest piece
+    const double reach = rule_for_depth(depth, map.tool_radius).rings.back().radius;
+    tree.nearest(points[p], 1, nearest);
+    marked[p] = nearest[0].distance2 <= reach * reach;
+  }
+  return marked;
 }
 
 }  // namespace palpate::stiffness

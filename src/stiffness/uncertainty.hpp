@@ -1,6 +1,9 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // From "the bone may lie elsewhere" and "flesh differs between people" to error bars of the map.
 #pragma once
+#include <cstdint>
+#include <vector>
+
 #include "core/head_surface.hpp"
 #include "core/map_spread.hpp"
 #include "core/progress.hpp"
@@ -53,5 +56,14 @@ class DepthResponse {
                                    const SkullFit& skull, const std::vector<Vec3>& points,
                                    const SpreadOptions& options = {},
                                    const Progress& progress = {});
+
+/// 1 where the result at a point rests on skin that nobody scanned: where the piece of tissue that
+/// is pressed there reaches skin of the completed head (HeadSurface::filled == 2). Empty where
+/// nothing was completed.
+/// @param map     one row per point
+/// @param points  [mm] head frame
+[[nodiscard]] std::vector<std::uint8_t> rests_on_completed(const StiffnessMap& map,
+                                                           const HeadSurface& head,
+                                                           const std::vector<Vec3>& points);
 
 }  // namespace palpate::stiffness

@@ -185,10 +185,15 @@ ClosestPoint SurfaceQuery::closest(const Vec3& p, double max_distance) const {
   return {n.on.point, n.on.barycentric, n.triangle, std::sqrt(n.distance2)};
 }
 
-double SurfaceQuery::signed_distance(const Vec3& p) const {
+std::pair<ClosestPoint, double> SurfaceQuery::closest_with_sign(const Vec3& p) const {
   const Nearest n = tree_->nearest(p, 1e200);
   const double side = tree_->pseudonormal(n.triangle, n.on.feature).dot(p - n.on.point);
-  return side < 0 ? -std::sqrt(n.distance2) : std::sqrt(n.distance2);
+  const double distance = std::sqrt(n.distance2);
+  return {{n.on.point, n.on.barycentric, n.triangle, distance}, side < 0 ? -distance : distance};
+}
+
+double SurfaceQuery::signed_distance(const Vec3& p) const {
+  return closest_with_sign(p).second;
 }
 
 namespace {

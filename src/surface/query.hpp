@@ -3,6 +3,7 @@
 #pragma once
 #include <memory>
 #include <optional>
+#include <utility>
 
 #include "core/surface_mesh.hpp"
 
@@ -35,6 +36,8 @@ class SurfaceQuery {
   /// Distance with sign [mm], negative inside; meaningful for a closed, outward-oriented mesh.
   /// Sign from the angle-weighted pseudonormal (Baerentzen & Aanaes 2005).
   [[nodiscard]] double signed_distance(const Vec3& p) const;
+  /// Both in one query: the nearest point, and the distance with sign [mm].
+  [[nodiscard]] std::pair<ClosestPoint, double> closest_with_sign(const Vec3& p) const;
   /// First hit beyond `min_distance` [mm] along the unit vector `direction`.
   [[nodiscard]] std::optional<RayHit> cast(const Vec3& origin, const Vec3& direction,
                                            double max_distance = 1e9,

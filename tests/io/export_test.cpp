@@ -135,6 +135,27 @@ TEST(Export, VtkArraysCarryTheirLengthAndValues) {
   EXPECT_EQ(vtk_array(tissue, "points").size(), 6 * 24u);
 }
 
+TEST(Export, MapsOfACompletedFaceSayWhatRestsOnCompletedSkin) {
+  const TemporaryFolder folder;
+  TouchableHead head = sample_head();
+  head.completed.assign(head.map.size(), 0);
+  head.completed[7] = 1;
+  write_map_csv(folder.path / "map.csv", head);
+  const std::string table = read_file(folder.path / "map.csv");
+  const auto rows = parse_csv({"map.csv", table, {}});
+  EXPECT_EQ(rows[0].cells.back(), "completed");
+  for (std::size_t v = 0; v < head.map.size(); ++v)
+    EXPECT_EQ(rows[v + 1].cells.back(), v == 7 ? "1" : "0");
+  write_map_ply(folder.path / "map.ply", head);
+  const std::string bytes = read_file(folder.path / "map.ply");
+  const ParsedMesh marks = parse_ply({"map.ply", bytes, {}}, "completed");
+  EXPECT_EQ(marks.property[6], 0);
+  EXPECT_EQ(marks.property[7], 1);
+  write_map_vtp(folder.path / "map.vtp", head);
+  const std::string column = vtk_array(read_file(folder.path / "map.vtp"), "completed");
+  EXPECT_EQ(column, std::string(head.completed.begin(), head.completed.end()));
+}
+
 TEST(Export, TissueComesBackFromMsh) {
   const TemporaryFolder folder;
   const TissueMesh wrote = sample_tissue();

@@ -75,6 +75,16 @@ TEST(HeadFile, KeepsTheSpreadAndRefusesOneOfAnotherLength) {
   EXPECT_THROW((void)head_bytes(head), InputError);
 }
 
+TEST(HeadFile, KeepsTheMarksOfACompletedFaceAndRefusesOnesOfAnotherLength) {
+  TouchableHead head = sample_head();
+  EXPECT_TRUE(parse_head(head_bytes(head), "a.glb").completed.empty());
+  head.completed.assign(head.map.size(), 0);
+  head.completed[2] = 1;
+  EXPECT_EQ(parse_head(head_bytes(head), "a.glb").completed, head.completed);
+  head.completed.pop_back();
+  EXPECT_THROW((void)head_bytes(head), InputError);
+}
+
 TEST(HeadFile, DiffersBetweenEqualRunsInTheRunObjectOnly) {
   TouchableHead one = sample_head(), two = sample_head();
   two.run = {{"threads", 1}, {"seconds", {{"sweep", 987654.321}, {"report", 1}}}};

@@ -77,6 +77,28 @@ TEST(DepthFit, MirroredHeadGivesMirroredSkull) {
               0.1);
 }
 
+// Half a head was scanned; what completes it says gently where the other half's bone lies.
+TEST(DepthFit, CompletedSkinHoldsTheBoneThatNobodyScanned) {
+  const SkullTemplate skull = egg_template(kAxes);
+  KnownHead known =
+      known_head(skull, Mat3::Identity(), Vec3(1.0, 1.0, 1.15).cwiseProduct(kAxes), {0, 0, 0}, 0);
+  for (std::size_t v = 0; v < known.head.filled.size(); ++v)
+    if (known.head.skin.points[v].z() < 10) known.head.filled[v] = 2;
+  const surface::SurfaceQuery truth(known.bone);
+  const auto worst_behind = [&](double completed_sd) {
+    FitOptions options;
+    options.depth.completed_sd = completed_sd;
+    const SkullFit fit = fit_skull(known.head, skull, even_table(kDepth), options);
+    double worst = 0;
+    for (const Vec3& p : fit.mesh.points)
+      if (p.z() < -40) worst = std::max(worst, truth.closest(p).distance);
+    return worst;
+  };
+  const double with = worst_behind(DepthFitOptions{}.completed_sd), without = worst_behind(1e6);
+  EXPECT_LT(with, 3);
+  EXPECT_LT(with, 0.6 * without);
+}
+
 TEST(DepthFit, SameBitsTwice) {
   const SkullTemplate skull = egg_template(kAxes);
   const KnownHead known = known_head(skull, Mat3::Identity(), 1.05 * kAxes, {0, 0, 0}, 2);

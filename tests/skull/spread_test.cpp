@@ -55,6 +55,22 @@ TEST(Spread, IsTheTablesWholeSpreadAndTheMapsDoubtWhereThatIsLarger) {
   }
 }
 
+TEST(Spread, CompletedSkinAddsItsOwnDoubt) {
+  Scene scene(1e12);
+  for (std::size_t v = 0; v < scene.head.filled.size(); ++v)
+    if (scene.head.skin.points[v].z() < 0) scene.head.filled[v] = 2;
+  const SkinField skin(scene.head);
+  const SpreadOptions options;
+  const SkullSpread spread =
+      draw_spread(scene.skull, scene.skull.mesh.points, scene.solved, scene.model, skin, options);
+  for (std::size_t v = 0; v < spread.deviation.size(); ++v) {
+    const double z = scene.skull.mesh.points[v].z(), people = scene.model.sd[v];
+    if (std::abs(z) < 6) continue;  // the border's triangles
+    EXPECT_NEAR(spread.deviation[v], z > 0 ? people : std::hypot(people, options.completed_sd),
+                1e-3);
+  }
+}
+
 TEST(Spread, DrawsOfAnUncertainMapHaveTheSameSpread) {
   // The map gives the draws a part of the table's spread, the individual's field the rest.
   const Scene scene(1 / 16.0);

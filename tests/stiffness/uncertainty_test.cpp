@@ -3,9 +3,11 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 
 #include "scenes.hpp"
+#include "stiffness/press_sites.hpp"
 
 namespace palpate::stiffness {
 namespace {
@@ -94,6 +96,27 @@ TEST(MapSpread, IsMissingWhereTheMapIs) {
   EXPECT_TRUE(std::isnan(s.stiffness[3]));
   EXPECT_TRUE(std::isfinite(s.depth[5]));
   EXPECT_TRUE(std::isnan(s.stiffness[5]));
+}
+
+TEST(RestsOnCompleted, IsSkinThatAPressedPieceReaches) {
+  Scene scene(0);
+  std::vector<Vec3>& points = scene.head.skin.skin.points;
+  std::vector<std::uint8_t>& filled = scene.head.skin.filled;
+  filled.assign(points.size(), 1);
+  EXPECT_TRUE(rests_on_completed(scene.map, scene.head.skin, points).empty());  // closed holes only
+  std::size_t top = 0;
+  for (std::size_t v = 0; v < points.size(); ++v)
+    if (points[v].y() > points[top].y()) top = v;
+  filled[top] = 2;
+  const double reach = rule_for_depth(8, scene.map.tool_radius).rings.back().radius;
+  const auto marked = rests_on_completed(scene.map, scene.head.skin, points);
+  ASSERT_EQ(marked.size(), points.size());
+  for (std::size_t v = 0; v < points.size(); ++v)
+    EXPECT_EQ(marked[v], (points[v] - points[top]).norm() <= reach) << v;
+  EXPECT_EQ(std::count(marked.begin(), marked.end(), 0) > 0, true);
+  scene.map.depth.assign(points.size(), std::nan(""));  // no bone: the widest piece
+  const auto wide = rests_on_completed(scene.map, scene.head.skin, points);
+  EXPECT_GE(std::count(wide.begin(), wide.end(), 1), std::count(marked.begin(), marked.end(), 1));
 }
 
 }  // namespace
