@@ -8,6 +8,8 @@ Parts (--parts, comma separated; all by default):
            self-intersections, least Jacobian, mean stated SD
   ct       fitted against true skull; depth against a constant depth over the face; calibration of the stated SD;
            stiffness at 2 N, estimated against true skull, by region
+  face     the face alone of every whole head: its landmarks [mm] and how far its skull lies from the whole head's, point by
+           point [mm]; with the program bench/bench_fit beside palpate (-DPALPATE_BENCH=ON) also along the normal and in SDs
   time     read to fit on 200 000 triangles
 """
 import argparse, json, math, os, subprocess, sys, time
@@ -15,6 +17,7 @@ import numpy as np
 import anatomy_scans as scans
 
 SUCCESS_MM = 8.0
+TIMED_TRIANGLES = 200000
 CT_CUT_MM = 10.0                                # the CT ends at the mouth
 CT_DEFECT = '70,105,-240,-150,65,145'           # a hole in the frontal bone
 
@@ -143,10 +146,43 @@ def ct(o):
         say(f"{name} stiffness at 2 N: median error {100 * c['stiffness']['error_median']:.1f} %   asked: <= 15 %")
 
 
+def face(o):
+    for name, path, unit, marks, _ in o.heads:
+        if not marks: continue
+        points, triangles, truth = scans.in_millimetres(path, unit, marks)
+        part = scans.face_alone(points, triangles, truth)
+        if len(part[1]) > 0.75 * len(triangles): continue  # no whole head
+        files = {kind: os.path.join(o.out, f'{name}.{kind}.ply') for kind in ('whole', 'face')}
+        scans.write_ply(files['whole'], points, triangles)
+        scans.write_ply(files['face'], *part)
+        errors = landmark_errors(o, files['face'], truth, 'mm')
+        if isinstance(errors, str):
+            say(f'{name:10} refused: {errors}')
+            continue
+        skulls = {}
+        for kind, file in files.items():
+            out = file.replace('.ply', '.skull.ply')
+            code, _, message = palpate(o, 'fit', file, '-o', out, '--unit', 'mm')
+            if code: return say(f'{name} {kind}: {message}')
+            skulls[kind] = scans.read_ply(out)[0]
+        text = ''
+        if len(skulls['whole']) == len(skulls['face']):
+            apart = np.linalg.norm(skulls['whole'] - skulls['face'], axis=1)
+            text = f'bone {apart.mean():.1f} mm from that of the whole head, 95th percentile {np.quantile(apart, 0.95):.1f}'
+        say(f'{name:10} landmarks {np.mean(list(errors.values())):.1f} mean, {max(errors.values()):.1f} worst; {text}')
+        bench = os.path.join(os.path.dirname(os.path.abspath(o.palpate)), 'bench/bench_fit')
+        if not os.path.exists(bench): continue
+        run = subprocess.run([bench, files['face'], '--skull', files['whole'].replace('.ply', '.skull.ply')],
+                             capture_output=True, text=True)
+        for line in run.stdout.splitlines():
+            if line.startswith(('  bone:', '  all:')): say(' ' * 10 + line)
+
+
 def timing(o):
     name, path, unit, marks, _ = o.heads[0]
     points, triangles = scans.read_ply(path)
-    while len(triangles) < 200000: points, triangles = halved(points, triangles)
+    while 4 * len(triangles) <= TIMED_TRIANGLES: points, triangles = halved(points, triangles)
+    points, triangles = thirds(points, triangles, TIMED_TRIANGLES)
     big = os.path.join(o.out, 'big.ply')
     scans.write_ply(big, points, triangles)
     before = os.times()
@@ -169,6 +205,16 @@ def halved(points, triangles):
     return np.concatenate([points, middle]), fine
 
 
+def thirds(points, triangles, wanted):
+    """Some triangles cut in three at their middle, so that there are `wanted` (three times as many at most)."""
+    cut, rest = np.split(triangles, [min(len(triangles), max(0, wanted - len(triangles)) // 2)])
+    middle = points[cut].mean(axis=1)
+    m = np.arange(len(cut)) + len(points)
+    a, b, c = cut.T
+    fine = np.concatenate([np.stack(x, 1) for x in ((a, b, m), (b, c, m), (c, a, m))])
+    return np.concatenate([points, middle]), np.concatenate([fine, rest])
+
+
 def main():
     q = argparse.ArgumentParser(description=__doc__, formatter_class=argparse.RawDescriptionHelpFormatter)
     q.add_argument('palpate'); q.add_argument('out')
@@ -178,7 +224,7 @@ def main():
     os.makedirs(o.out, exist_ok=True)
     o.heads = [h for h in scans.heads(o.shared) if not o.only or h[0] in o.only.split(',')]
     if not any(h[4] for h in o.heads): say('no head with a true skull here (../shared/heads): its figures are left out')
-    parts = {'upright': upright, 'turned': turned, 'fit': fit, 'ct': ct, 'time': timing}
+    parts = {'upright': upright, 'turned': turned, 'fit': fit, 'ct': ct, 'face': face, 'time': timing}
     for part in o.parts.split(',') if o.parts else parts: parts[part](o)
 
 

@@ -89,6 +89,15 @@ def treat(kind, points, triangles, marks, rng):
     return points, triangles, marks
 
 
+def face_alone(points, triangles, marks):
+    """From the hairline to below the chin, cut askew 48 mm behind the eyes; of an upright head, in mm."""
+    eye, tip = marks['eye_outer_left'], marks['nose_tip']
+    p = points[triangles[:, 0]]
+    kept = triangles[(p[:, 2] + 0.1 * p[:, 0] > eye[2] - 48) & (p[:, 1] < eye[1] + 75) & (p[:, 1] > tip[1] - 85)]
+    used, back = np.unique(kept, return_inverse=True)
+    return points[used], back.reshape(-1, 3).astype(np.int32)
+
+
 def in_millimetres(path, unit, marks):
     points, triangles = read_ply(path)
     return points * MM[unit], triangles, {n: np.array(p, float) * MM[unit] for n, p in marks.items()}

@@ -4,9 +4,11 @@
 // SKULL.ply]` prints per scan what the fit reports of itself and the stated SD of depth under the
 // working skin's points, by region; with a true skull of the (one) scan also the error of depth,
 // the share of true depths within two stated SDs, and the error beside the best constant depth over
-// the face.
+// the face; where that skull is a fit too (as many points), also how far the two bones lie apart,
+// point by point along the normal, and how often within two stated SDs.
 #include <fmt/format.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <cstring>
@@ -110,6 +112,24 @@ void print_against(const report::Comparison& c) {
       c.face_constant_error, 100 * (1 - c.face_error / c.face_constant_error));
 }
 
+/// Of two fits: scanned head and face alone.
+void print_apart(const SkullFit& fitted, const SkullFit& other) {
+  const std::size_t n = fitted.mesh.points.size();
+  if (other.mesh.points.size() != n || fitted.spread.size() != n) return;
+  const std::vector<Vec3> normal = vertex_normals(other.mesh);
+  std::vector<double> apart;
+  std::size_t within = 0;
+  for (std::size_t v = 0; v < n; ++v) {
+    apart.push_back(std::abs(normal[v].dot(fitted.mesh.points[v] - other.mesh.points[v])));
+    within += apart.back() <= 2 * fitted.spread[v];
+  }
+  std::sort(apart.begin(), apart.end());
+  fmt::print(
+      "  bone: {:.2f} mm apart along the normal, 95th percentile {:.2f} mm, within 2 SD {:.1f} %\n",
+      std::accumulate(apart.begin(), apart.end(), 0.0) / static_cast<double>(n),
+      apart[n * 95 / 100], 100.0 * static_cast<double>(within) / static_cast<double>(n));
+}
+
 void measure(const std::string& path, const Wishes& wishes) {
   const Progress silent;
   app::PipelineOptions options;
@@ -131,6 +151,7 @@ void measure(const std::string& path, const Wishes& wishes) {
   app::PipelineOptions known = options;
   known.own_skull = wishes.skull;
   const SkullFit truth = app::make_skull(located, known, silent, clock);
+  print_apart(fitted, truth);
   print_against(
       report::compare_heads(estimated, depth_only(scan, located, truth, known), wishes.compare));
 }
