@@ -71,27 +71,42 @@ SurfaceMesh skin_mm(const TouchableHead& head) {
   return transformed(head.skin, head.unit_mm * Mat3::Identity(), Vec3::Zero());
 }
 
+/// The skin of a face alone, completed again as `palpate build` did: the file holds the face.
+LocatedHead complete_again(const TouchableHead& head, const surface::WorkingSurface& working,
+                           const Command& c, const Progress& progress) {
+  PreparedScan scan;
+  scan.file_name = c.input.filename().string();
+  scan.scan.mesh = scan.scan_mm = skin_mm(head);
+  scan.working = working;
+  PipelineOptions options = c.options;
+  for (const auto& [key, mark] : head.landmarks)  // those that the user gave
+    if (mark.confidence == 1) options.landmarks.given[key] = mark.position;
+  StageClock clock(progress);
+  return locate_head(scan, options, progress, clock);
+}
+
 /// Tetrahedra anew from the head's own skin and skull.
 TissueMesh rebuild_tissue(const TouchableHead& head, const Command& c, const Progress& progress) {
-  if (!head.completed.empty())
-    throw InputError(
-        "export --tissue: this head was completed from a face alone, and the file holds the face; "
-        "mesh the scan itself: palpate mesh SCAN -o tissue.vtu");
   const auto working = surface::make_working_surface(skin_mm(head), c.options.repair, progress);
+  HeadFrame frame = head.frame;
   HeadSurface surface;
-  surface.skin =
-      transformed(working.mesh, head.frame.rotation, -(head.frame.rotation * head.frame.origin));
-  surface.filled = working.filled;
-  for (const auto& [key, mark] : head.landmarks)
-    surface.landmarks[key] = {head.frame.to_head(mark.position), mark.confidence};
-  surface.region =
-      landmarks::skin_regions(surface.skin.points, vertex_normals(surface.skin), surface.landmarks);
+  if (head.completed.empty()) {
+    surface.skin = transformed(working.mesh, frame.rotation, -(frame.rotation * frame.origin));
+    surface.filled = working.filled;
+    for (const auto& [key, mark] : head.landmarks)
+      surface.landmarks[key] = {frame.to_head(mark.position), mark.confidence};
+    surface.region = landmarks::skin_regions(surface.skin.points, vertex_normals(surface.skin),
+                                             surface.landmarks);
+  } else {
+    LocatedHead located = complete_again(head, working, c, progress);
+    frame = located.detection.frame;
+    surface = std::move(located.head);
+  }
   SkullFit skull;
-  skull.mesh =
-      transformed(head.skull, head.frame.rotation, -(head.frame.rotation * head.frame.origin));
+  skull.mesh = transformed(head.skull, frame.rotation, -(frame.rotation * frame.origin));
   skull.region = head.skull_region;
   TissueMesh tissue = tetmesh::make_tissue_mesh(surface, skull, c.options.tissue, progress);
-  for (Vec3& p : tissue.nodes) p = head.frame.to_scan(p);
+  for (Vec3& p : tissue.nodes) p = frame.to_scan(p);
   return tissue;
 }
 

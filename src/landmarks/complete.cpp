@@ -260,6 +260,21 @@ SurfaceMesh beyond(const SurfaceMesh& head, const OpenSurface& face, double gap)
   return part(head, keep);
 }
 
+/// The completed head is one piece beyond the scan's border. Specks within the face (between the
+/// lids, where the new surface spans what the scan folds) are not of it: closed, not completed.
+void keep_one_piece(CompletedFace& c) {
+  std::vector<std::uint8_t> completed;  // triangles that touch it
+  for (const Triangle& t : c.skin.triangles)
+    completed.push_back(c.filled[t[0]] == 2 || c.filled[t[1]] == 2 || c.filled[t[2]] == 2);
+  const Patches found = patches(c.skin, completed);
+  if (found.area.empty()) return;
+  const auto largest = std::max_element(found.area.begin(), found.area.end()) - found.area.begin();
+  for (std::size_t t = 0; t < completed.size(); ++t)
+    if (completed[t] && found.of[t] != largest)
+      for (const std::int32_t v : c.skin.triangles[t])
+        if (c.filled[v] == 2) c.filled[v] = 1;
+}
+
 double completed_share(const CompletedFace& c) {
   double all = 0, completed = 0;
   for (const Triangle& t : c.skin.triangles) {
@@ -312,6 +327,7 @@ CompletedFace complete_face(const SurfaceMesh& face, const std::vector<std::uint
     const bool completed = t >= cover.size() || (!cover[t] && c.distance > off);
     result.filled.push_back(completed ? 2 : cover[t]);
   }
+  keep_one_piece(result);
   result.completed_share = completed_share(result);
   return result;
 }

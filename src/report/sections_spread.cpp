@@ -57,8 +57,8 @@ void add_completed(Page& page, const TouchableHead& head, const HeadPictures& pi
        {data_url(pictures.marked(View::left, head.completed)), "from the subject's left"}},
       "",
       fmt::format(
-          "The scan is a face alone. Orange: {} of {} vertices whose piece of tissue reaches "
-          "skin that was completed from another head; trust the blue ones.",
+          "The scan is a face alone. Orange: {} of {} vertices where a press moves skin that "
+          "was completed from another head; trust the blue ones.",
           grouped(static_cast<std::size_t>(marked)), grouped(head.completed.size())));
 }
 

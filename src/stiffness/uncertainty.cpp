@@ -171,6 +171,20 @@ MapSpread map_spread(const StiffnessMap& map, const HeadSurface& head, const Sku
   return out;
 }
 
+/// [mm] from the press axis to where the skin still moves.
+static double felt_reach(const StiffnessMap& map, std::size_t p) {
+  constexpr double kFelt = 0.02;  // [-] of the tool's travel that still counts as moving
+  const std::size_t rings = map.dents.radii.size();
+  if (rings == 0 || !map.has_curve(p)) {
+    const double depth = std::isfinite(map.depth[p]) ? map.depth[p] : 1e9;
+    return rule_for_depth(depth, map.tool_radius).touch_radius;
+  }
+  std::size_t last = 0;
+  for (std::size_t r = 0; r < rings; ++r)
+    if (map.dents.share[p * rings + r] >= kFelt) last = r;
+  return map.dents.radii[std::min(last + 1, rings - 1)];
+}
+
 std::vector<std::uint8_t> rests_on_completed(const StiffnessMap& map, const HeadSurface& head,
                                              const std::vector<Vec3>& points) {
   std::vector<Vec3> completed;
@@ -181,8 +195,7 @@ std::vector<std::uint8_t> rests_on_completed(const StiffnessMap& map, const Head
   std::vector<surface::PointTree::Neighbour> nearest;
   std::vector<std::uint8_t> marked(points.size());
   for (std::size_t p = 0; p < points.size(); ++p) {
-    const double depth = std::isfinite(map.depth[p]) ? map.depth[p] : 1e9;  // the widest piece
-    const double reach = rule_for_depth(depth, map.tool_radius).rings.back().radius;
+    const double reach = felt_reach(map, p);
     tree.nearest(points[p], 1, nearest);
     marked[p] = nearest[0].distance2 <= reach * reach;
   }

@@ -57,9 +57,9 @@ class DepthResponse {
                                    const SpreadOptions& options = {},
                                    const Progress& progress = {});
 
-/// 1 where the result at a point rests on skin that nobody scanned: where the piece of tissue that
-/// is pressed there reaches skin of the completed head (HeadSurface::filled == 2). Empty where
-/// nothing was completed.
+/// 1 where the result at a point rests on skin that nobody scanned: where the press moves skin of
+/// the completed head (HeadSurface::filled == 2) by 2 % of the tool's travel and more (the dent);
+/// without a curve or dents, where the tool would touch it. Empty where nothing was completed.
 /// @param map     one row per point
 /// @param points  [mm] head frame
 [[nodiscard]] std::vector<std::uint8_t> rests_on_completed(const StiffnessMap& map,
