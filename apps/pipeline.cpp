@@ -80,6 +80,18 @@ static landmarks::Detection detect(const PreparedScan& scan, const landmarks::De
   return found;
 }
 
+/// A wrap spans the eyes and the wings of the nose: what was found on it can be a finger's breadth
+/// off without looking wrong.
+static void warn_of_a_coarse_wrap(const surface::RepairReport& repair,
+                                  std::vector<std::string>& warnings) {
+  constexpr double kCoarse = 2;  // [mm]; other working surfaces lie within 0.3 to 0.7 mm
+  if (repair.wrapped && repair.deviation_p95_mm > kCoarse)
+    warnings.push_back(
+        fmt::format("the scan passes through itself and could only be wrapped: its points lie up "
+                    "to {:.1f} mm (95 %) off the skin that was used; check the landmarks",
+                    repair.deviation_p95_mm));
+}
+
 LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
                         const Progress& progress, StageClock& clock) {
   LocatedHead located;
@@ -94,6 +106,7 @@ LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", scan.file_name, error.what()));
   }
+  warn_of_a_coarse_wrap(scan.working.report, located.detection.warnings);
   for (const auto& [name, position] : wanted.given)  // to the last bit, whatever turned in between
     located.detection.landmarks[name] = {position, 1};
   const HeadFrame& frame = located.detection.frame;
