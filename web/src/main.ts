@@ -2,7 +2,7 @@
 // Puts the page together: head, live socket, picture, readings.
 import { Color } from "three";
 import { drawCurve, StripChart, type Curve } from "./charts";
-import { parseHead, type Head, type Vec3 } from "./glb";
+import type { Head, Vec3 } from "./glb";
 import { dentAt } from "./dent";
 import { Hand } from "./hand";
 import { byId, message, setText } from "./dom";
@@ -16,9 +16,22 @@ import { startTheme } from "./theme";
 import { View } from "./view";
 import type { Pick } from "./pick";
 
+function fetchHead(): Promise<Head> {
+  const worker = new Worker(new URL("./head_worker.ts", import.meta.url), { type: "module" });
+  return new Promise<Head>((resolve, reject) => {
+    worker.onmessage = ({ data }: MessageEvent<{ head: Head } | { error: string }>) => {
+      worker.terminate();
+      if ("head" in data) resolve(data.head);
+      else reject(new Error(data.error));
+    };
+    worker.onerror = (event) => reject(new Error(event.message || "its reader could not be loaded"));
+    worker.postMessage(new URL("head.glb", location.href).href);
+  });
+}
+
 class Page {
   // Asked for before all else: it comes while the graphics start.
-  private readonly file = fetch("head.glb");
+  private readonly coming = fetchHead();
   private readonly view = new View(byId<HTMLCanvasElement>("scene"));
   private readonly strip = new StripChart(byId<HTMLCanvasElement>("strip"));
   private readonly link: Link;
@@ -57,9 +70,7 @@ class Page {
 
   private async load(): Promise<void> {
     try {
-      const answer = await this.file;
-      if (!answer.ok) throw new Error(`the server answered ${answer.status}: ${(await answer.text()).trim()}`);
-      this.head = parseHead(await answer.arrayBuffer());
+      this.head = await this.coming;
     } catch (error) {
       message(`The head could not be opened: ${(error as Error).message}`);
       return;

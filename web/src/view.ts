@@ -5,7 +5,7 @@ import type { Head, Surface, Vec3 } from "./glb";
 import type { TouchState } from "./link";
 import type { HeatMap } from "./maps";
 import type { Dent } from "./dent";
-import { makeSkinMaterials, makeSolidMaterial, MOST_RADII } from "./skin_material";
+import { makeSkinMaterials, makeSolidMaterial, MOST_RADII, type SkinMaterials } from "./skin_material";
 
 const NO_VALUE = -1e30;
 const ARROW_MM_PER_N = 12;
@@ -17,6 +17,8 @@ export class View {
   private readonly skin = makeSkinMaterials();
   private values: THREE.BufferAttribute | null = null;
   private skullMesh: THREE.Mesh | null = null;
+  /** A point of skin, drawn while the head is on its way: the graphics build the skin's program meanwhile. */
+  private readonly rehearsal = pointOfSkin(this.skin);
   private depthMesh: THREE.Mesh | null = null;
   private readonly tool: THREE.Mesh;
   private readonly arrow = new THREE.Group();
@@ -57,7 +59,7 @@ export class View {
     this.tip = new THREE.Mesh(new THREE.ConeGeometry(3, 8, 24).translate(0, 4, 0), red);
     this.arrow.add(this.shaft, this.tip);
     this.arrow.visible = false;
-    this.scene.add(this.tool, this.arrow);
+    this.scene.add(this.tool, this.arrow, this.rehearsal);
     new ResizeObserver(() => this.resize()).observe(canvas);
     this.resize();
     const loop = (now: number) => {
@@ -69,6 +71,8 @@ export class View {
 
   setHead(head: Head): void {
     this.head = head;
+    this.scene.remove(this.rehearsal);
+    this.rehearsal.geometry.dispose();
     const g = surfaceGeometry(head.skin);
     this.values = new THREE.BufferAttribute(new Float32Array(head.skin.count).fill(NO_VALUE), 1);
     g.setAttribute("value", this.values);
@@ -299,6 +303,20 @@ function openGraphics(canvas: HTMLCanvasElement): { canvas: HTMLCanvasElement; c
   canvas.replaceWith(smooth);
   first.getExtension("WEBGL_lose_context")?.loseContext();
   return { canvas: smooth, context, software: false };
+}
+
+/** A triangle without area, in every other way as the head is drawn. */
+function pointOfSkin(skin: SkinMaterials): THREE.Mesh {
+  const three = new Float32Array(9);
+  const g = surfaceGeometry({ positions: three, normals: three, triangles: new Uint32Array([0, 1, 2]), count: 3 });
+  g.setAttribute("value", new THREE.BufferAttribute(new Float32Array(3), 1));
+  const texture = new THREE.DataTexture(new Uint8Array(8), 2, 1, THREE.RGBAFormat);
+  texture.minFilter = texture.magFilter = THREE.LinearFilter;
+  texture.needsUpdate = true;
+  skin.uniforms.colors.value = texture; // until paint() puts the map's there
+  const mesh = new THREE.Mesh(g, skin.color);
+  mesh.frustumCulled = false;
+  return mesh;
 }
 
 function surfaceGeometry(s: Surface): THREE.BufferGeometry {

@@ -22,10 +22,12 @@ const view = (...more) => ["view", HEAD, "--no-open", "--json", ...more];
 /** In the page, before its scripts: what it starts in which order. */
 function watchOrder() {
   window.order = [];
-  const ask = window.fetch;
-  window.fetch = (what, ...more) => {
-    if (what === "head.glb") window.order.push("head");
-    return ask(what, ...more);
+  const Worker = window.Worker;
+  window.Worker = class extends Worker {
+    postMessage(what, ...more) {
+      if (String(what).endsWith("/head.glb")) window.order.push("head");
+      super.postMessage(what, ...more);
+    }
   };
   const start = HTMLCanvasElement.prototype.getContext;
   HTMLCanvasElement.prototype.getContext = function (kind, ...more) {
