@@ -2,6 +2,7 @@
 // palpate: the command line. Errors become one line on standard error and an exit code.
 #include <fmt/format.h>
 #include <tbb/global_control.h>
+#include <unistd.h>
 
 #include <new>
 #include <set>
@@ -50,6 +51,12 @@ std::string worded(const std::exception& error) {
   return line;
 }
 
+/// At a terminal a line of progress or the "^C" of the keyboard may stand where the message goes.
+void say(const std::exception& error) {
+  const char* clear = isatty(STDERR_FILENO) == 1 ? "\r\033[K" : "";
+  fmt::print(stderr, "{}palpate: {}\n", clear, worded(error));
+}
+
 int run(int argc, char** argv) {
   CLI::App app("Palpate turns a scanned head into one that can be felt.", "palpate");
   app.set_version_flag("--version", kVersion);
@@ -80,16 +87,16 @@ int run(int argc, char** argv) {
     fmt::print(stderr, "palpate: {} (try --help)\n", worded(error));
     return kInput;
   } catch (const InputError& error) {
-    fmt::print(stderr, "palpate: {}\n", worded(error));
+    say(error);
     return kInput;
   } catch (const SolveError& error) {
-    fmt::print(stderr, "palpate: {}\n", worded(error));
+    say(error);
     return kSolve;
   } catch (const FileError& error) {
-    fmt::print(stderr, "palpate: {}\n", worded(error));
+    say(error);
     return kFile;
   } catch (const Cancelled& error) {
-    fmt::print(stderr, "\npalpate: {}\n", worded(error));
+    say(error);
     return kCancelled;
   } catch (const std::bad_alloc&) {
     fmt::print(stderr, "palpate: not enough memory; close other programs or give a smaller scan\n");

@@ -253,7 +253,8 @@ TEST_F(CommandLine, StopsOnInterruptAndLeavesNothing) {
   kill(child, SIGINT);
   const Outcome run = wait_for(child);
   EXPECT_EQ(run.code, 130) << run.err;
-  EXPECT_NE(run.err.find("stopped by the user"), std::string::npos);
+  EXPECT_TRUE(run.err.starts_with("palpate: stopped by the user")) << run.err;
+  EXPECT_EQ(std::count(run.err.begin(), run.err.end(), '\n'), 1) << run.err;
   for (const auto& entry : fs::directory_iterator(folder))
     EXPECT_TRUE(entry.path().extension() == ".txt") << entry.path();
 }
