@@ -27,10 +27,9 @@ class TissueCutter {
   /// @param tissue  must outlive the object
   explicit TissueCutter(const TissueMesh& tissue);
 
-  /// Flesh connected to the skin at the site within four tool radii of it. Edges longer than a
-  /// third of the tool's radius under the tool, growing with the distance, are bisected, the
-  /// longest first, with all tetrahedra around them: conforming at every step. Bone is held, skin
-  /// never; where the piece has no bone, its cut is.
+  /// Flesh connected to the skin at the site within four tool radii of it, its edges made as long
+  /// as the press allows: 0.6 tool radii under the tool, growing with the distance. Bone is held,
+  /// skin never; where the piece has no bone, its cut is.
   /// @throws SolveError  where no flesh lies at the site
   [[nodiscard]] LocalBody cut(const SiteFrame& frame, double tool_radius) const;
 

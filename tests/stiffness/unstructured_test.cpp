@@ -6,6 +6,7 @@
 #include <algorithm>
 
 #include "scenes.hpp"
+#include "stiffness/piece_mesh.hpp"
 #include "stiffness/press_sites.hpp"
 
 namespace palpate::stiffness {
@@ -48,24 +49,107 @@ TissueMesh slab(int across, int deep) {
   return m;
 }
 
-TEST(Unstructured, RefinementFillsTheSamePieceAndInvertsNothing) {
-  const TissueMesh tissue = slab(10, 2);
-  const SiteFrame frame = site_frame({3, -2, 0}, Vec3::UnitZ());
-  const LocalBody body = TissueCutter(tissue).cut(frame, 8);
-  double volume = 0;
-  for (int t = 0; t < body.mesh.size(); ++t) {
-    EXPECT_GT(fem::corner_volume(body.mesh, t), 0);
-    volume += fem::corner_volume(body.mesh, t);
+fem::TetMesh linear_mesh(const TissuePiece& piece) {
+  fem::TetMesh m;
+  m.nodes = piece.nodes;
+  for (const Tetrahedron& t : piece.tets) m.tets.insert(m.tets.end(), t.begin(), t.end());
+  return m;
+}
+
+TissuePiece whole(const TissueMesh& m) {
+  TissuePiece p;
+  p.nodes = m.nodes;
+  p.held = m.held;
+  p.tets = m.tets;
+  for (std::size_t n = 0; n < m.nodes.size(); ++n) p.skin.push_back(n < m.skin_points);
+  return p;
+}
+
+double volume_of(const fem::TetMesh& m) {
+  double sum = 0;
+  for (int t = 0; t < m.size(); ++t) sum += fem::corner_volume(m, t);
+  return sum;
+}
+
+/// [mm^2] of the boundary faces whose three nodes carry the flag.
+double area_of(const TissuePiece& piece, const std::vector<std::uint8_t>& flag) {
+  const fem::FaceList faces = fem::boundary_faces(linear_mesh(piece));
+  double sum = 0;
+  for (std::size_t f = 0; f < faces.size(); f += 3) {
+    const Vec3 &a = piece.nodes[faces[f]], &b = piece.nodes[faces[f + 1]],
+               &c = piece.nodes[faces[f + 2]];
+    if (flag[faces[f]] && flag[faces[f + 1]] && flag[faces[f + 2]])
+      sum += 0.5 * (b - a).cross(c - a).norm();
   }
-  double taken = 0;
-  for (const Tetrahedron& t : tissue.tets) {
-    Vec3 center = Vec3::Zero();
-    for (const auto n : t) center += 0.25 * (tissue.nodes[n] - frame.origin);
-    if (center.norm() <= 32) taken += 6 * 6 * 4 / 6.0;
+  return sum;
+}
+
+TEST(PieceMesh, BisectionFillsTheSameSolidAndInvertsNothing) {
+  const TissuePiece coarse = whole(slab(10, 2));
+  PieceMesh mesh(coarse);
+  const auto size = [](const Vec3& at) { return 1.5 + 0.3 * at.norm(); };
+  mesh.refine(size, 100000);
+  const TissuePiece piece = mesh.piece();
+  const fem::TetMesh solid = linear_mesh(piece);
+  EXPECT_GT(piece.tets.size(), 2 * coarse.tets.size());
+  EXPECT_NO_THROW(fem::check_mesh(solid));
+  EXPECT_NEAR(volume_of(solid), 60 * 60 * 8, 1e-6);
+  EXPECT_NEAR(area_of(piece, piece.skin), 3600, 1e-6);
+  EXPECT_NEAR(area_of(piece, piece.held), 3600, 1e-6);
+  for (const Tetrahedron& t : piece.tets)
+    for (int i = 0; i < 4; ++i)
+      for (int j = 0; j < i; ++j) {
+        const Vec3 &a = piece.nodes[t[i]], &b = piece.nodes[t[j]];
+        EXPECT_LE((a - b).norm(), size(0.5 * (a + b)));
+      }
+}
+
+TEST(PieceMesh, JoiningKeepsTheSolidAndItsSkin) {
+  const TissuePiece fine = whole(slab(20, 4));
+  PieceMesh mesh(fine);
+  mesh.coarsen([](const Vec3& at) { return 4 + 0.5 * at.norm(); }, 10);
+  const TissuePiece piece = mesh.piece();
+  EXPECT_LT(piece.tets.size(), fine.tets.size() / 4);
+  EXPECT_EQ(piece.nodes[0], fine.nodes[0]);
+  const fem::TetMesh solid = linear_mesh(piece);
+  EXPECT_NO_THROW(fem::check_mesh(solid));
+  // The corners of the cut, 42 mm away, may be rounded by a twelfth of that.
+  EXPECT_NEAR(volume_of(solid) / (60 * 60 * 8), 1, 0.02);
+  EXPECT_NEAR(area_of(piece, piece.skin) / 3600, 1, 0.02);
+  EXPECT_NEAR(area_of(piece, piece.held) / 3600, 1, 0.02);
+  std::size_t kept = 0, near = 0;
+  for (std::size_t n = 0; n < fine.nodes.size(); ++n)
+    near += fine.skin[n] && fine.nodes[n].norm() < 10;
+  for (std::size_t n = 0; n < piece.nodes.size(); ++n) {
+    kept += piece.skin[n] && piece.nodes[n].norm() < 10;
+    if (piece.skin[n]) EXPECT_EQ(piece.nodes[n].z(), 0);
+    if (piece.held[n]) EXPECT_EQ(piece.nodes[n].z(), -8);
   }
-  EXPECT_NEAR(volume, taken, 1e-6 * taken);
-  EXPECT_EQ(body.held.size(), body.mesh.nodes.size());
-  EXPECT_FALSE(body.touchable.empty());
+  EXPECT_EQ(kept, near);
+}
+
+TEST(PieceMesh, ABisectedEdgeThroughFleshIsNotHeld) {
+  TissuePiece one;  // two tetrahedra that share a face; all nodes but the tips are held
+  one.nodes = {{0, 0, 5}, {6, 0, 0}, {0, 6, 0}, {-6, -6, 0}, {0, 0, -5}};
+  one.held = {1, 1, 1, 1, 1};
+  one.skin = {0, 0, 0, 0, 0};
+  one.tets = {{1, 2, 3, 0}, {1, 3, 2, 4}};
+  one.nodes.push_back({8, 8, 0});  // and a third one, so that edge (1, 2) has flesh all around
+  one.held.push_back(1);
+  one.skin.push_back(0);
+  one.tets.push_back({1, 0, 2, 5});
+  one.tets.push_back({1, 2, 4, 5});
+  for (Tetrahedron& t : one.tets) {
+    const Vec3& o = one.nodes[t[0]];
+    if ((one.nodes[t[1]] - o).cross(one.nodes[t[2]] - o).dot(one.nodes[t[3]] - o) < 0)
+      std::swap(t[2], t[3]);
+  }
+  PieceMesh mesh(one);
+  mesh.refine([](const Vec3& at) { return (at - Vec3(3, 3, 0)).norm() < 1e-9 ? 1.0 : 100.0; }, 100);
+  const TissuePiece out = mesh.piece();
+  ASSERT_EQ(out.nodes.size(), 7u);
+  EXPECT_EQ(out.nodes[6], Vec3(3, 3, 0));
+  EXPECT_FALSE(out.held[6]);
 }
 
 TEST(Unstructured, AgreesWithThePatchOnASlab) {
