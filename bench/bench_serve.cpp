@@ -1,13 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // The touch loop while strangers flood its server: 200 connections that send malformed frames, from
 // a process of their own. Prints the tick times before, during and after.
-//   bench_serve [frames] [connections] [real-time priority, 0 for none]
 #include <fmt/core.h>
 #include <sys/wait.h>
 #include <unistd.h>
 
+#include <CLI/CLI.hpp>
 #include <chrono>
-#include <cstdlib>
 #include <memory>
 #include <thread>
 #include <vector>
@@ -74,10 +73,14 @@ void print(const char* when, const Interval& tick, const Interval& late, double 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const int frames = argc > 1 ? std::atoi(argv[1]) : 100'000;
-  const int connections = argc > 2 ? std::atoi(argv[2]) : 200;
+  int frames = 100'000, connections = 200;
   haptics::LoopOptions options;
-  if (argc > 3) options.priority = std::atoi(argv[3]);
+  CLI::App program("the touch loop while its server is flooded with malformed frames");
+  program.add_option("frames", frames, "in all; 100000")->check(CLI::Range(1, 100'000'000));
+  program.add_option("connections", connections, "200")->check(CLI::Range(1, 900));
+  program.add_option("priority", options.priority,
+                     "real-time priority of the loop, 0 for none; 80");
+  CLI11_PARSE(program, argc, argv);
 
   const haptics::TouchModel model = haptics::make_touch_model(haptics::scenes::bumpy_head(112));
   const haptics::TickSetup setup = haptics::make_tick_setup(model, *haptics::limits_of("falcon"));
