@@ -9,8 +9,8 @@
 
 namespace palpate::tetmesh {
 
-/// A folder of its own, as an absolute path, under $TMPDIR (or /tmp), readable by this user only, removed with all it
-/// holds by the destructor.
+/// A folder of its own, as an absolute path, under $TMPDIR (or /tmp), readable by this user only,
+/// removed with all it holds by the destructor.
 class TemporaryFolder {
  public:
   /// @throws FileError  names the folder and the system's reason
@@ -34,8 +34,9 @@ struct ProcessResult {
 
 /// Starts `program` (a name is looked for on PATH) with exactly these arguments, standard input
 /// empty, both output streams kept in `log`, working in the log's folder, so that what it drops on
-/// its way is gone with that. Paths among the arguments must be absolute. Waits; progress.step(stage, ...) is called ten times a
-/// second, with a fraction that approaches 1 over `expected_seconds`.
+/// its way is gone with that. Paths among the arguments must be absolute. Waits;
+/// progress.step(stage, ...) is called ten times a second, with a fraction that approaches 1 over
+/// `expected_seconds`.
 /// @throws Cancelled  from progress; the program has been ended by then
 /// @throws FileError  the system cannot start any program
 [[nodiscard]] ProcessResult run_process(const std::string& program,
