@@ -27,26 +27,27 @@ double wanted_edge(const Vec3& at, double tool_radius) {
   return kShortest * tool_radius + kGrowth * beyond;
 }
 
+fem::TetMesh linear_mesh(const TissuePiece& piece) {
+  fem::TetMesh mesh;
+  mesh.nodes = piece.nodes;
+  for (const Tetrahedron& t : piece.tets) mesh.tets.insert(mesh.tets.end(), t.begin(), t.end());
+  return mesh;
+}
+
 /// Skin that the tissue mesh holds (ears, lips) would carry the tool like stone; patches leave it
 /// free too. A piece without bone hangs on its cut.
 void hold_bone_only(TissuePiece& piece) {
   for (std::size_t n = 0; n < piece.nodes.size(); ++n) piece.held[n] &= !piece.skin[n];
   if (std::count(piece.held.begin(), piece.held.end(), 1) > 0) return;
-  fem::TetMesh linear;
-  linear.nodes = piece.nodes;
-  for (const Tetrahedron& t : piece.tets) linear.tets.insert(linear.tets.end(), t.begin(), t.end());
-  const fem::FaceList faces = fem::boundary_faces(linear);
+  const fem::FaceList faces = fem::boundary_faces(linear_mesh(piece));
   for (std::size_t f = 0; f < faces.size(); f += 3)
     if (!piece.skin[faces[f]] || !piece.skin[faces[f + 1]] || !piece.skin[faces[f + 2]])
       for (int i = 0; i < 3; ++i) piece.held[faces[f + i]] = 1;
 }
 
 LocalBody finish(const TissuePiece& piece, double tool_radius) {
-  fem::TetMesh linear;
-  linear.nodes = piece.nodes;
-  for (const Tetrahedron& t : piece.tets) linear.tets.insert(linear.tets.end(), t.begin(), t.end());
   LocalBody body;
-  body.mesh = fem::to_quadratic(linear);
+  body.mesh = fem::to_quadratic(linear_mesh(piece));
   const fem::FaceList faces = fem::boundary_faces(body.mesh);
   const int stride = fem::face_nodes(body.mesh.order);
   body.held = piece.held;
