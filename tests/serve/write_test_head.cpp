@@ -1,16 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Writes a head in closed form for the tests of the page:  write_test_head OUT.glb CUTS
-// 8 CUTS^2 triangles; below -90 mm no vertex has a curve.
+// Writes a head in closed form for the tests of the page:  write_test_head OUT.glb CUTS [face]
+// 8 CUTS^2 triangles; below -90 mm no vertex has a curve. "face": completed behind z = -20 mm.
 #include <cstdlib>
 #include <iostream>
 #include <limits>
+#include <string_view>
 
 #include "haptics/scenes.hpp"
 #include "io/head_file.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;
-  if (argc != 3) return 2;
+  if (argc != 3 && !(argc == 4 && std::string_view(argv[3]) == "face")) return 2;
   TouchableHead head = haptics::scenes::bumpy_head(std::atoi(argv[2]));
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();
   const std::size_t forces = head.map.forces.size();
@@ -33,5 +34,7 @@ int main(int argc, char** argv) {
   for (Vec3& p : head.skull.points) p *= 0.9;
   head.skull.triangles = head.skin.triangles;
   head.skull_region.assign(head.skull.points.size(), SkullRegion::none);
+  if (argc == 4)
+    for (const Vec3& p : head.skin.points) head.completed.push_back(p.z() < -20 ? 1 : 0);
   io::write_head(argv[1], head);
 }

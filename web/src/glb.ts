@@ -26,6 +26,8 @@ export interface Head {
   error: Float32Array;
   /** how the skin around a press goes down, where the file tells; radii in mm from the axis */
   dents: { radii: number[]; share: Float32Array[] } | null;
+  /** 1 where the press moves skin that was completed from another head, else 0; null where none was */
+  completed: Float32Array | null;
   region: Float32Array;
   status: Float32Array;
   regionNames: string[];
@@ -139,6 +141,7 @@ export function parseHead(bytes: ArrayBuffer): Head {
       radii: e.dents.radii_mm,
       share: e.dents.radii_mm.map((_, i) => column(`_DENT_${i + 1}`)),
     } || null,
+    completed: "_COMPLETED" in attributes ? column("_COMPLETED") : null,
     region: column("_REGION"),
     status: column("_STATUS"),
     regionNames: e.skin_region_names,

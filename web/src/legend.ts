@@ -2,7 +2,6 @@
 // What the colours mean.
 import { niceStep } from "./charts";
 import { byId, setText } from "./dom";
-import type { Head } from "./glb";
 import type { Hello } from "./link";
 import { onScale, type HeatMap } from "./maps";
 import { bytesOf } from "./palette";
@@ -19,21 +18,20 @@ function ticks(map: HeatMap): number[] {
 const short = (v: number, span: number) =>
   String(Number(v.toFixed(span < 3 ? 2 : span < 30 ? 1 : 0)));
 
-export function drawLegend(map: HeatMap, colors: Hello["colors"], head: Head): void {
+export function drawLegend(map: HeatMap, colors: Hello["colors"]): void {
   setText("legend-title", map.title);
   setText("legend-unit", map.unit ? `[${map.unit}]` : "");
   setText("legend-note", map.note);
-  const isRegion = map.name === "region";
-  byId("legend-bar").hidden = byId("legend-ticks").hidden = isRegion;
-  byId("legend-regions").hidden = !isRegion;
-  if (isRegion) {
-    const present = new Set(head.region);
+  byId("legend-bar").hidden = byId("legend-ticks").hidden = map.categories !== null;
+  byId("legend-regions").hidden = map.categories === null;
+  if (map.categories) {
+    const present = new Set(map.values);
     byId("legend-regions").replaceChildren(
-      ...head.regionNames.flatMap((name, code) => {
+      ...map.categories.flatMap(({ name, color }, code) => {
         if (!present.has(code)) return [];
         const item = document.createElement("li");
         const patch = document.createElement("i");
-        patch.style.background = colors.regions[code];
+        patch.style.background = color;
         item.append(patch, name);
         return [item];
       }),

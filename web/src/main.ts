@@ -77,9 +77,20 @@ class Page {
     }
     this.view.setHead(this.head);
     message("");
+    if (this.head.completed) this.offerCompleted();
     this.paint();
     this.listRegions();
     this.opened();
+  }
+
+  /** A map that only heads of a face alone have. */
+  private offerCompleted(): void {
+    const label = document.createElement("label");
+    const radio = Object.assign(document.createElement("input"), { type: "radio", name: "map", value: "completed" });
+    label.append(radio, Object.assign(document.createElement("span"), { textContent: "Completed" }));
+    radio.addEventListener("change", () => this.paint());
+    byId("maps").append(label);
+    byId("help-completed").hidden = false;
   }
 
   /** The head is there and the server has told what the map's colours need: the next frame is the first with the head. */
@@ -156,11 +167,11 @@ class Page {
   private paint(): void {
     if (!this.head || !this.hello) return;
     const force = Number(byId<HTMLInputElement>("map-force").value);
-    this.map = makeMap(this.head, this.mapName(), force);
     const colors = this.hello.colors;
+    this.map = makeMap(this.head, this.mapName(), force, colors.regions);
     const missing = new Color(colors.missing).convertLinearToSRGB();
-    this.view.paint(this.map, bytesOf(colors.sequential, 256), bytesOf(colors.regions), missing);
-    drawLegend(this.map, colors, this.head);
+    this.view.paint(this.map, bytesOf(colors.sequential, 256), missing);
+    drawLegend(this.map, colors);
     byId("force-row").hidden = this.map.name !== "stiffness";
     document.documentElement.dataset.map = this.map.name;
   }
@@ -255,8 +266,10 @@ class Page {
   private onKey(key: string): boolean {
     const looks: Record<string, Vec3> = { f: [0, 0, 1], b: [0, 0, -1], l: [1, 0, 0], r: [-1, 0, 0], a: [0, 1, 0.2] };
     if (key in looks) this.view.lookFrom(looks[key]);
-    else if (key >= "1" && key <= "4") {
-      document.querySelectorAll<HTMLInputElement>("input[name=map]")[Number(key) - 1].checked = true;
+    else if (key >= "1" && key <= "9") {
+      const radio = document.querySelectorAll<HTMLInputElement>("input[name=map]")[Number(key) - 1];
+      if (!radio) return false;
+      radio.checked = true;
       this.paint();
     } else if (key === "t") this.setOpacity(this.view.opacity < 1 ? 1 : 0.45);
     else if (key === "p") this.togglePause();

@@ -2,7 +2,13 @@
 // The heat maps: one number per vertex, with its scale, unit and words.
 import type { Head } from "./glb";
 
-export type MapName = "stiffness" | "depth" | "error" | "region";
+export type MapName = "stiffness" | "depth" | "error" | "region" | "completed";
+
+/** A code of a map that has no scale: its name and its colour. */
+export interface Category {
+  name: string;
+  color: string;
+}
 
 export interface HeatMap {
   name: MapName;
@@ -13,9 +19,15 @@ export interface HeatMap {
   logarithmic: boolean;
   title: string;
   unit: string;
+  /** by code, where the values are codes; null: the values have a scale */
+  categories: Category[] | null;
   /** one line on what it means */
   note: string;
 }
+
+/** As the report draws them. */
+const SCANNED = "#78b0de";
+const COMPLETED = "#ed9433";
 
 /** Travel at a force between the samples: straight from knot to knot, as the curve is. */
 export function travelAt(head: Head, vertex: number, force: number): number {
@@ -40,7 +52,8 @@ function range(values: Float32Array): [number, number] {
   return high > low ? [low, high] : [low, low + 1];
 }
 
-export function makeMap(head: Head, name: MapName, force: number): HeatMap {
+/** @param regionColors by region code */
+export function makeMap(head: Head, name: MapName, force: number, regionColors: string[]): HeatMap {
   const n = head.skin.count;
   const values = new Float32Array(n);
   const from = (column: Float32Array, factor: number) => {
@@ -51,7 +64,7 @@ export function makeMap(head: Head, name: MapName, force: number): HeatMap {
       for (let i = 0; i < n; ++i) values[i] = force / travelAt(head, i, force);
       const [low, high] = range(values);
       return {
-        name, values, low, high, logarithmic: true,
+        name, values, low, high, logarithmic: true, categories: null,
         title: `Stiffness at ${force.toFixed(1)} N`, unit: "N/mm",
         note: "force over travel; grey: no curve was computed here",
       };
@@ -60,7 +73,7 @@ export function makeMap(head: Head, name: MapName, force: number): HeatMap {
       from(head.depth, 1);
       const [, high] = range(values);
       return {
-        name, values, low: 0, high, logarithmic: false,
+        name, values, low: 0, high, logarithmic: false, categories: null,
         title: "Tissue depth", unit: "mm", note: "from the skin to the bone; grey: no bone below",
       };
     }
@@ -68,7 +81,7 @@ export function makeMap(head: Head, name: MapName, force: number): HeatMap {
       from(head.error, 100);
       const [, high] = range(values);
       return {
-        name, values, low: 0, high: Math.max(high, 1), logarithmic: false,
+        name, values, low: 0, high: Math.max(high, 1), logarithmic: false, categories: null,
         title: "Estimated error", unit: "%", note: "of the travel, where points were blended",
       };
     }
@@ -76,7 +89,16 @@ export function makeMap(head: Head, name: MapName, force: number): HeatMap {
       from(head.region, 1);
       return {
         name, values, low: 0, high: 1, logarithmic: false,
+        categories: head.regionNames.map((region, code) => ({ name: region, color: regionColors[code] })),
         title: "Region", unit: "", note: "the seven compared regions in colour",
+      };
+    case "completed":
+      if (head.completed) from(head.completed, 1);
+      return {
+        name, values, low: 0, high: 1, logarithmic: false,
+        categories: [{ name: "scanned", color: SCANNED }, { name: "completed", color: COMPLETED }],
+        title: "Skin that a press moves", unit: "",
+        note: "the scan is a face alone; orange: a press moves skin that was completed from another head",
       };
   }
 }

@@ -5,6 +5,7 @@ import type { Head, Surface, Vec3 } from "./glb";
 import type { TouchState } from "./link";
 import type { HeatMap } from "./maps";
 import type { Dent } from "./dent";
+import { bytesOf } from "./palette";
 import { makeSkinMaterials, makeSolidMaterial, MOST_RADII, type SkinMaterials } from "./skin_material";
 
 const NO_VALUE = -1e30;
@@ -112,17 +113,17 @@ export class View {
     this.touch();
   }
 
-  paint(map: HeatMap, sequential: Uint8Array, categories: Uint8Array, missing: THREE.Color): void {
+  paint(map: HeatMap, sequential: Uint8Array<ArrayBuffer>, missing: THREE.Color): void {
     if (!this.values) return;
     const u = this.skin.uniforms;
     const to = this.values.array as Float32Array;
     for (let i = 0; i < to.length; ++i)
       to[i] = Number.isNaN(map.values[i]) ? NO_VALUE : map.values[i];
     this.values.needsUpdate = true;
-    const isRegion = map.name === "region";
-    const bytes = isRegion ? categories : sequential;
+    const codes = map.categories;
+    const bytes = codes ? bytesOf(codes.map((c) => c.color)) : sequential;
     const texture = new THREE.DataTexture(bytes, bytes.length / 4, 1, THREE.RGBAFormat);
-    texture.minFilter = texture.magFilter = isRegion ? THREE.NearestFilter : THREE.LinearFilter;
+    texture.minFilter = texture.magFilter = codes ? THREE.NearestFilter : THREE.LinearFilter;
     texture.needsUpdate = true;
     (u.colors.value as THREE.Texture | null)?.dispose();
     u.colors.value = texture;
@@ -130,7 +131,7 @@ export class View {
     u.missing.value = missing;
     u.low.value = map.low;
     u.high.value = map.high;
-    u.scale.value = isRegion ? 2 : map.logarithmic ? 1 : 0;
+    u.scale.value = codes ? 2 : map.logarithmic ? 1 : 0;
     this.touch();
   }
 

@@ -8,6 +8,8 @@ import { createInterface } from "node:readline";
 const CHROMIUM = process.env.CHROMIUM ?? "/usr/bin/chromium";
 export const PROGRAM = process.env.PALPATE_PROGRAM;
 export const HEAD = process.env.PALPATE_TEST_HEAD;
+/** the same, with skin that was completed */
+export const FACE = process.env.PALPATE_TEST_FACE;
 
 /** Why the tests cannot run here; empty where they can. */
 export function missing() {

@@ -6,7 +6,7 @@ import { mkdtempSync } from "node:fs";
 import { tmpdir } from "node:os";
 import { join } from "node:path";
 import { after, before, test } from "node:test";
-import { HEAD, PROGRAM, launch, missing, serve } from "./browser.mjs";
+import { FACE, HEAD, PROGRAM, launch, missing, serve } from "./browser.mjs";
 
 const why = missing();
 if (why) console.log(`page tests skipped: ${why}`);
@@ -101,6 +101,32 @@ test("shows each map with its legend", options, async () => {
   await page.locator("#map-force").fill("4");
   assert.equal(await page.locator("#legend-title").textContent(), "Stiffness at 4.0 N");
   assert.equal(await page.locator("#legend-regions").isHidden(), true);
+});
+
+test("where a press moves completed skin is a map of heads of a face alone only", { ...options, skip: why || (!FACE && "PALPATE_TEST_FACE is not set") }, async () => {
+  assert.equal(await page.locator("input[name=map]").count(), 4);
+  await page.keyboard.press("5");
+  assert.equal(await page.evaluate(() => document.documentElement.dataset.map), "stiffness");
+  const other = await serve(["view", FACE, "--no-open", "--json", "--port", "0"]);
+  try {
+    const face = await open(other.url);
+    await face.locator("#scene").focus();
+    await face.keyboard.press("5");
+    await face.waitForFunction(() => document.documentElement.dataset.map === "completed");
+    assert.deepEqual(await face.locator("#legend-regions li").allTextContents(), ["scanned", "completed"]);
+    assert.match(await face.locator("#legend-note").textContent(), /completed from another head/);
+    assert.ok(await face.evaluate(() => {
+      const { head, map } = window.palpate;
+      return map().values.every((x, v) => x === (head().skin.positions[3 * v + 2] < -20 ? 1 : 0));
+    }));
+    if (process.env.PALPATE_SCREENSHOTS) {
+      await face.keyboard.press("l");
+      await face.screenshot({ path: join(process.env.PALPATE_SCREENSHOTS, "page-completed.png") });
+    }
+    await face.close();
+  } finally {
+    await other.stop();
+  }
 });
 
 test("the stiffness that is shown is force over travel", options, async () => {
