@@ -9,21 +9,33 @@
 #include <limits>
 
 #include "apps/describe.hpp"
+#include "apps/survey.hpp"
 #include "core/error.hpp"
 #include "core/version.hpp"
 #include "io/assets.hpp"
 #include "landmarks/complete.hpp"
 #include "landmarks/regions.hpp"
+#include "stiffness/survey.hpp"
 #include "surface/query.hpp"
 
 namespace palpate::app {
+
+/// The unit of that many millimetres; nothing for another number, such as 0.
+static std::optional<LengthUnit> unit_of(double mm) {
+  for (const LengthUnit u :
+       {LengthUnit::mm, LengthUnit::cm, LengthUnit::dm, LengthUnit::m, LengthUnit::inch})
+    if (mm == millimetres(u)) return u;
+  return {};
+}
 
 PreparedScan prepare_scan(const std::filesystem::path& path, const PipelineOptions& options,
                           const Progress& progress, StageClock& clock) {
   PreparedScan prepared;
   prepared.file_name = path.filename().string();
   prepared.scan = clock.run("read", [&] { return io::read_scan(path); });
-  if (options.unit.empty()) {
+  if (const auto said = unit_of(prepared.scan.unit_mm); said && options.unit.empty()) {
+    prepared.unit = *said;
+  } else if (options.unit.empty()) {
     const io::UnitGuess guess = io::guess_unit(prepared.scan.mesh);
     prepared.unit = guess.unit;
     prepared.unit_certain = guess.certain;
@@ -170,16 +182,32 @@ SkullFit make_skull(const LocatedHead& located, const PipelineOptions& options,
   });
 }
 
+/// Whether the map is made on the working skin and carried to the user's many vertices.
+static bool carried(const LocatedHead& located, const PipelineOptions& options) {
+  constexpr std::size_t kMany = 2;  // times the working skin's points: pressing each tells no more
+  return options.sweep.mode == stiffness::SweepMode::fast &&
+         located.points.size() > kMany * located.head.skin.points.size();
+}
+
+std::vector<double> depth_below(const LocatedHead& located, const SkullFit& skull,
+                                const PipelineOptions& options, const Progress& progress) {
+  const stiffness::SkinPoints points{located.points, located.region};
+  const HeadSurface& head = located.head;
+  if (!carried(located, options))
+    return stiffness::survey(head, skull, points, options.sweep, progress).depth;
+  const StiffnessMap coarse =
+      stiffness::survey(head, skull, {head.skin.points, head.region}, options.sweep, progress);
+  return stiffness::transfer(coarse, head, skull, points).depth;
+}
+
 MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
                     const PipelineOptions& options, const Progress& progress, StageClock& clock) {
-  constexpr std::size_t kMany = 2;  // times the working skin's points: pressing each tells no more
   MappedHead mapped;
   const stiffness::SkinPoints points{located.points, located.region};
   stiffness::SweepOptions sweep = options.sweep;
   sweep.published.max_volume = options.tissue.max_volume;
   const bool published = sweep.mode == stiffness::SweepMode::published;
-  const bool carry = options.sweep.mode == stiffness::SweepMode::fast &&
-                     points.position.size() > kMany * located.head.skin.points.size();
+  const bool carry = carried(located, options);
   mapped.sweep = clock.run("sweep", [&] {
     return carry ? stiffness::sweep(located.head, skull, sweep, progress)
                  : stiffness::sweep(located.head, skull, points, sweep, progress);

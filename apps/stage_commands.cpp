@@ -2,13 +2,16 @@
 // Each stage alone, reading and writing standard files, so that a lab can replace any of them.
 #include <fmt/format.h>
 
+#include "apps/child_process.hpp"
 #include "apps/command_line.hpp"
 #include "apps/describe.hpp"
 #include "apps/landmark_text.hpp"
+#include "apps/survey.hpp"
 #include "apps/terminal_progress.hpp"
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "io/export.hpp"
+#include "io/fit_file.hpp"
 #include "registration/place.hpp"
 
 namespace palpate::app {
@@ -22,8 +25,9 @@ struct Start {
   PreparedScan scan;
   LocatedHead located;
 
-  explicit Start(Command& c)
-      : progress(make_terminal_progress(c.quiet)),
+  explicit Start(Command& c) : Start(c, make_terminal_progress(c.quiet)) {}
+  Start(Command& c, std::unique_ptr<Progress> shown)
+      : progress(std::move(shown)),
         clock(*progress),
         scan(prepare_scan(c.input, c.options, *progress, clock)),
         located(locate_head(scan, c.options, *progress, clock)) {}
@@ -92,14 +96,33 @@ void write_skin(const std::filesystem::path& path, const LocatedHead& located) {
                         {{"filled", filled}});
 }
 
-void run_fit(Command& c, const std::filesystem::path& skin) {
+struct FitOutputs {
+  std::filesystem::path skin;
+  int page = 0;  ///< process of the page that runs this; 0: none
+};
+
+/// Skull alone, or, as .glb, with what it means for each vertex.
+void write_skull(const Command& c, const Start& start, const SkullFit& skull,
+                 const std::vector<std::string>& warnings) {
+  const std::filesystem::path& path = c.output;
+  const LocatedHead& located = start.located;
+  const HeadFrame& frame = located.detection.frame;
+  const SurfaceMesh mesh = transformed(skull.mesh, frame.rotation.transpose(), frame.origin);
+  if (path.extension() == ".glb")
+    io::write_fit(path, {mesh, depth_below(located, skull, c.options, *start.progress),
+                         located.region, located.detection.landmarks, warnings});
+  else
+    io::write_surface(path, mesh);
+}
+
+void run_fit(Command& c, const FitOutputs& outputs) {
+  const std::filesystem::path& skin = outputs.skin;
   check_writable(c.output);
   if (!skin.empty()) check_writable(skin);
-  Start start(c);
+  if (outputs.page > 0) serve_in_background(outputs.page);
+  Start start(c, outputs.page > 0 ? make_line_progress() : make_terminal_progress(c.quiet));
   if (!skin.empty()) write_skin(skin, start.located);
   const SkullFit skull = make_skull(start.located, c.options, *start.progress, start.clock);
-  const HeadFrame& frame = start.located.detection.frame;
-  io::write_surface(c.output, transformed(skull.mesh, frame.rotation.transpose(), frame.origin));
   std::string text;
   for (const DepthRow& d : skull.depths)
     if (d.reached)
@@ -107,6 +130,7 @@ void run_fit(Command& c, const std::filesystem::path& skin) {
                           d.published_mm);
   std::vector<std::string> warnings = start.located.detection.warnings;
   warnings.insert(warnings.end(), skull.warnings.begin(), skull.warnings.end());
+  write_skull(c, start, skull, warnings);
   for (const std::string& warning : warnings) text += "warning: " + warning + "\n";
   print_result(
       c, {{"depths", describe(skull.depths)}, {"fit", skull.statistics}, {"warnings", warnings}},
@@ -158,18 +182,21 @@ void add_stage_commands(CLI::App& app) {
   add_output_option(sub, c, "placed skull: .ply .obj .stl .off");
 
   c = std::make_shared<Command>();
-  const auto skin = std::make_shared<std::filesystem::path>();
+  const auto outputs = std::make_shared<FitOutputs>();
   sub = add_subcommand(app, "fit", "scan -> skull fitted under the skin",
-                       "Example:  palpate fit scan.obj -o skull.ply", c,
-                       [skin](Command& command) { run_fit(command, *skin); });
+                       "Examples:\n  palpate fit scan.obj -o skull.ply\n"
+                       "  palpate fit scan.obj -o fit.glb   # with the depth at each vertex",
+                       c, [outputs](Command& command) { run_fit(command, *outputs); });
+  sub->add_option("--page", outputs->page, "")->group("");  // how the page's server runs it
   sub->add_option(
-      "--skin", *skin,
+      "--skin", outputs->skin,
       "also write the closed skin, .ply; `filled` per vertex: 0 scanned, 1 closed hole, "
       "2 completed from another head (a face alone)");
   add_scan_options(sub, c);
   add_landmark_options(sub, c);
   add_fit_options(sub, c);
-  add_output_option(sub, c, "fitted skull: .ply .obj .stl .off");
+  add_output_option(sub, c,
+                    "fitted skull: .ply .obj .stl .off; .glb: with depth and region per vertex");
 
   c = std::make_shared<Command>();
   sub = add_subcommand(app, "mesh", "scan and skull -> tetrahedra of flesh and bone",

@@ -72,12 +72,36 @@ class StageLine {
   std::chrono::steady_clock::time_point start_, shown_;
 };
 
-}  // namespace
+/// Every stage's begin and end, and what lies between at most ten times a second.
+class PlainLines {
+ public:
+  void operator()(std::string_view stage, double fraction) {
+    const auto now = std::chrono::steady_clock::now();
+    if (fraction > 0 && fraction < 1 && now - told_ < std::chrono::milliseconds(100)) return;
+    told_ = now;
+    fmt::print("@ {:.3f} {}\n", fraction, stage);
+    std::fflush(stdout);
+  }
 
-std::unique_ptr<Progress> make_terminal_progress(bool quiet) {
+ private:
+  std::chrono::steady_clock::time_point told_{};
+};
+
+void listen_to_signals() {
   std::signal(SIGINT, on_interrupt);
   std::signal(SIGTERM, on_interrupt);
   std::signal(SIGPIPE, SIG_IGN);
+}
+
+}  // namespace
+
+std::unique_ptr<Progress> make_line_progress() {
+  listen_to_signals();
+  return std::make_unique<Progress>(PlainLines(), &stop_asked);
+}
+
+std::unique_ptr<Progress> make_terminal_progress(bool quiet) {
+  listen_to_signals();
   if (quiet) return std::make_unique<Progress>(Progress::Listener{}, &stop_asked);
   return std::make_unique<Progress>(StageLine(isatty(STDERR_FILENO) == 1), &stop_asked);
 }

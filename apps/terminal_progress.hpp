@@ -11,4 +11,7 @@ namespace palpate::app {
 /// @param quiet  writes nothing, but Ctrl-C still stops the run
 [[nodiscard]] std::unique_ptr<Progress> make_terminal_progress(bool quiet);
 
+/// For a program that reads along: "@ FRACTION STAGE" on standard output.
+[[nodiscard]] std::unique_ptr<Progress> make_line_progress();
+
 }  // namespace palpate::app

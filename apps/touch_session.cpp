@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "apps/touch_session.hpp"
 
+#include "apps/touch_points.hpp"
+
 #include <fmt/format.h>
 #include <spawn.h>
 
@@ -121,21 +123,22 @@ haptics::Workspace place(const TouchOptions& o, const TouchModel& model,
 }
 
 std::unique_ptr<serve::Server> start_server(const TouchOptions& o, serve::PageFiles files,
-                                            serve::LiveTouch& live) {
+                                            serve::LiveTouch& live,
+                                            const serve::Channels& channels) {
   serve::ServerOptions options;
   options.address = o.address;
   options.token = o.token;
   if (options.token.empty() && !serve::is_loopback(o.address)) options.token = serve::new_token();
   if (o.port != 0) {
     options.port = static_cast<unsigned short>(o.port);
-    return std::make_unique<serve::Server>(options, std::move(files), live);
+    return std::make_unique<serve::Server>(options, std::move(files), live, channels);
   }
   try {
     options.port = kUsualPort;
-    return std::make_unique<serve::Server>(options, files, live);
+    return std::make_unique<serve::Server>(options, files, live, channels);
   } catch (const InputError&) {
     options.port = 0;  // the usual one is taken
-    return std::make_unique<serve::Server>(options, std::move(files), live);
+    return std::make_unique<serve::Server>(options, std::move(files), live, channels);
   }
 }
 
@@ -168,13 +171,16 @@ class DeviceWatch {
   haptics::DeviceStatus last_ = haptics::DeviceStatus::waiting;
 };
 
-void wait(const TouchOptions& o, const Progress& stop, DeviceWatch watch) {
+/// @param look  called often, in this thread
+void wait(const TouchOptions& o, const Progress& stop, DeviceWatch watch,
+          const std::function<void()>& look) {
   using clock = std::chrono::steady_clock;
   const auto end = clock::now() + std::chrono::duration<double>(o.seconds);
   try {
     while (o.seconds <= 0 || clock::now() < end) {
       stop.step("touch", 0);
       watch.look();
+      look();
       std::this_thread::sleep_for(std::chrono::milliseconds(50));
     }
   } catch (const Cancelled&) {
@@ -249,12 +255,14 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
   facts.warnings = model.warnings;
   facts.warnings.insert(facts.warnings.end(), setup.warnings.begin(), setup.warnings.end());
   serve::LiveTouch live(cycle, loop, opened.pointer, recorder.get(), facts);
+  std::unique_ptr<PointsDesk> desk;  // outlives the server, which knows its channel
   std::unique_ptr<serve::Server> server;
   json result = {{"head", o.head.string()}, {"device", device.info().name}};
   if (o.page) {
     serve::PageFiles files = serve::load_page(page_folder());
     files["/head.glb"] = {std::move(bytes), serve::content_type("head.glb")};
-    server = start_server(o, std::move(files), live);
+    desk = std::make_unique<PointsDesk>(head, model, o.head, say);
+    server = start_server(o, std::move(files), live, {{"/points", &desk->channel()}});
     result["url"] = server->url();
   }
   loop.start();
@@ -265,7 +273,9 @@ json run_touch(const TouchOptions& o, const Progress& stop, const Say& say) {
     say("open " + server->url());
     if (o.open_browser) open_browser(server->url());
   }
-  wait(o, stop, {cycle, say});
+  wait(o, stop, {cycle, say}, [&] {
+    if (desk) desk->look(*server);
+  });
   server.reset();
   loop.stop();
   result["loop"] = describe(loop.report());

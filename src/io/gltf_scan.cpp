@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 // The triangles of a glTF scene: nodes in depth-first order, their transforms applied. Primitives
-// of one node that share a POSITION accessor share its points.
+// of one node that share a POSITION accessor share its points. Of a touchable head only the scan
+// that it was made from: its skin's mesh in the scan's own numbers.
 #include <fmt/format.h>
 
 #include <array>
@@ -8,6 +9,7 @@
 #include <utility>
 
 #include "io/gltf_document.hpp"
+#include "io/head_file.hpp"
 #include "io/mesh_builder.hpp"
 #include "io/readers.hpp"
 
@@ -30,6 +32,12 @@ class SceneReader {
     if (seen_.empty() && root.contains("meshes"))
       for (std::size_t m = 0; m < root["meshes"].size(); ++m) read_mesh(m, Transform::Identity());
     while (!pending_.empty()) visit();
+    out_.finish("primitive");
+    return std::move(out_.mesh);
+  }
+  /// One mesh as it is stored.
+  SurfaceMesh read_alone(std::uint64_t mesh) {
+    read_mesh(mesh, Transform::Identity());
     out_.finish("primitive");
     return std::move(out_.mesh);
   }
@@ -196,7 +204,23 @@ class SceneReader {
   std::map<std::uint64_t, std::size_t> first_point_;
 };
 
+/// Node 0 of a touchable head is its skin (docs/formats.md).
+ParsedMesh parse_carried(const GltfDocument& document, const json& extension) {
+  const auto unit = extension.find("unit_mm");
+  if (unit == extension.end() || !unit->is_number() || !(unit->get<double>() > 0))
+    document.fail(kHeadExtension, "has no unit_mm");
+  ParsedMesh parsed;
+  parsed.unit_mm = unit->get<double>();
+  const json& skin = document.entry("nodes", 0);
+  parsed.mesh = SceneReader(document).read_alone(document.integer(skin, "mesh", "nodes[0]"));
+  return parsed;
+}
+
 ParsedMesh parse(GltfDocument document) {
+  const json& root = document.root();
+  if (const auto e = root.find("extensions");
+      e != root.end() && e->is_object() && e->contains(kHeadExtension))
+    return parse_carried(document, (*e)[kHeadExtension]);
   ParsedMesh parsed;
   parsed.mesh = SceneReader(document).read();
   parsed.external = document.take_files();

@@ -15,6 +15,7 @@ struct ParsedMesh {
   std::vector<std::string> warnings;
   std::vector<double> property;       ///< the asked-for vertex property (PLY only), one per vertex
   std::vector<std::string> external;  ///< contents of files that the file names (glTF only)
+  double unit_mm = 0;                 ///< [mm] in one unit, where the file says (a touchable head)
 };
 
 [[nodiscard]] ParsedMesh parse_obj(const Source& source);

@@ -70,7 +70,7 @@ Scan read_scan(const std::filesystem::path& path) {
   Sha256 hash;
   hash.add(bytes);
   for (const std::string& other : parsed.external) hash.add(other);
-  return {std::move(parsed.mesh), std::string(format->name), hash.hex(),
+  return {std::move(parsed.mesh), std::string(format->name), parsed.unit_mm, hash.hex(),
           std::move(parsed.warnings)};
 }
 

@@ -11,8 +11,10 @@ namespace palpate::io {
 
 struct Scan {
   SurfaceMesh mesh;    ///< the file's vertices, all, in order, in the file's own numbers; polygons
-                       ///< are split into fans; a glTF node's transform is applied
+                       ///< are split into fans; a glTF node's transform is applied; of a touchable
+                       ///< head (io/head_file.hpp) the scan that it carries
   std::string format;  ///< "obj", "ply", "stl", "off", "gltf", "glb"
+  double unit_mm = 0;  ///< [mm] in one unit, where the file says (a touchable head); else 0
   std::string sha256;  ///< of the file's bytes, lower-case hex; a .gltf's buffer files follow it
   std::vector<std::string> warnings;  ///< what is odd but can be used; one line each
 };

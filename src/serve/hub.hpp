@@ -45,6 +45,9 @@ struct Hub {
         channels(std::move(all_channels)),
         max_connections(most) {}
   PageFiles files;
+  /// Made while the server runs; before `files`. Replaced as a whole, so that who is sending an
+  /// older one keeps it.
+  std::map<std::string, std::shared_ptr<const PageFile>, std::less<>> made;
   AccessPolicy policy;
   LiveTouch* live;  ///< null where no touch is served
   Channels channels;

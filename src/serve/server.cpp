@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <boost/asio/io_context.hpp>
+#include <boost/asio/post.hpp>
 #include <boost/asio/steady_timer.hpp>
 #include <boost/beast/core/bind_handler.hpp>
 #include <boost/beast/core/flat_buffer.hpp>
@@ -83,6 +84,10 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
       return;
     if (request.method() != http::verb::get && request.method() != http::verb::head)
       return answer(request, http::status::method_not_allowed, kPlain, "GET or HEAD only\n");
+    if (const auto made = hub_.made.find(path); made != hub_.made.end()) {
+      sent_ = made->second;
+      return answer(request, http::status::ok, sent_->type, sent_->bytes);
+    }
     const auto file = hub_.files.find(path);
     if (file == hub_.files.end())
       return answer(request, http::status::not_found, kPlain, "no such page\n");
@@ -111,7 +116,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
     write(prepare(request, status, type, bytes), request.method() == http::verb::head);
   }
 
-  /// `bytes` must outlive the session: a file of the hub or a literal.
+  /// `bytes` must outlive the session: a file of the hub, a literal, or `sent_`.
   static Response prepare(const Request& request, http::status status, std::string_view type,
                           std::string_view bytes) {
     Response r(status, request.version());
@@ -152,6 +157,7 @@ class HttpSession : public std::enable_shared_from_this<HttpSession> {
   beast::tcp_stream stream_;
   beast::flat_buffer buffer_{2 * kMostHeader};
   std::optional<http::request_parser<http::empty_body>> parser_;
+  std::shared_ptr<const PageFile> sent_;  // a newer one may take its place in the hub meanwhile
   std::optional<Response> response_;
   std::optional<http::response_serializer<http::span_body<const char>>> serializer_;
 };
@@ -275,11 +281,18 @@ struct Server::Inner {
   std::thread thread;
 };
 
-Server::Server(const ServerOptions& options, PageFiles files, LiveTouch& live)
-    : inner_(std::make_unique<Inner>(options, std::move(files), &live, Channels{})) {}
+Server::Server(const ServerOptions& options, PageFiles files, LiveTouch& live, Channels channels)
+    : inner_(std::make_unique<Inner>(options, std::move(files), &live, std::move(channels))) {}
 Server::Server(const ServerOptions& options, PageFiles files, Channels channels)
     : inner_(std::make_unique<Inner>(options, std::move(files), nullptr, std::move(channels))) {}
 Server::~Server() = default;
+
+void Server::publish(std::string path, PageFile file) {
+  asio::post(inner_->context, [&hub = inner_->hub, at = std::move(path),
+                               made = std::make_shared<const PageFile>(std::move(file))]() mutable {
+    hub.made[std::move(at)] = std::move(made);
+  });
+}
 
 unsigned short Server::port() const {
   return inner_->port;

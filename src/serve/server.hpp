@@ -26,13 +26,17 @@ class Server {
   /// Binds and starts the thread, whose priority is lowered so that the loop comes first.
   /// @param live  outlives the server; used by the server's thread alone from here on
   /// @throws InputError  the address or port cannot be bound, or a token is missing
-  Server(const ServerOptions& options, PageFiles files, LiveTouch& live);
+  /// @param channels  sockets beside /live, at their paths
+  Server(const ServerOptions& options, PageFiles files, LiveTouch& live, Channels channels = {});
   /// Serves `files` and the channels' sockets at their paths, no touch.
   /// @throws InputError  as above
   Server(const ServerOptions& options, PageFiles files, Channels channels);
   ~Server();  ///< closes all connections
   Server(const Server&) = delete;
   Server& operator=(const Server&) = delete;
+
+  /// From now on `path` gives `file`, whatever was there. From any thread.
+  void publish(std::string path, PageFile file);
 
   [[nodiscard]] unsigned short port() const;
   /// What to type into a browser, token included.

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "stiffness/ground.hpp"
 
+#include "stiffness/survey.hpp"
+
 #include <cmath>
 #include <cstring>
 #include <limits>
@@ -89,6 +91,21 @@ std::uint64_t Ground::fingerprint() const {
     for (const double x : {l.share, l.youngs_modulus, l.poissons_ratio, static_cast<double>(l.law)})
       f.add(x);
   return f.value();
+}
+
+StiffnessMap survey(const HeadSurface& head, const SkullFit& skull, const SkinPoints& points,
+                    const SweepOptions& options, const Progress& progress) {
+  const Ground ground(head, skull, points, options, progress);
+  StiffnessMap map;
+  map.tool_radius = options.tool_radius;
+  map.region = points.region;
+  map.error.assign(points.position.size(), kNan);
+  for (const std::int32_t s : ground.spot_of) {
+    const Spot& spot = ground.spots[static_cast<std::size_t>(s)];
+    map.status.push_back(spot.status);
+    map.depth.push_back(spot.depth);
+  }
+  return map;
 }
 
 }  // namespace palpate::stiffness

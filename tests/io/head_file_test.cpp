@@ -9,8 +9,10 @@
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "io/byte_reader.hpp"
+#include "io/fit_file.hpp"
 #include "io/gltf_document.hpp"
 #include "io/head_file.hpp"
+#include "io/scan.hpp"
 #include "io/stiffness_colour.hpp"
 #include "samples.hpp"
 
@@ -116,6 +118,48 @@ TEST(HeadFile, NodesTakeScanNumbersToMetresWithUpAndFront) {
         Eigen::Quaterniond(r[3], r[0], r[1], r[2]) * (s[0] * scan) + Vec3(t[0], t[1], t[2]);
     EXPECT_LT((metres - 0.001 * head.frame.to_head(unit * scan)).norm(), 1e-12);
   }
+}
+
+TEST(HeadFile, StandsForTheScanThatItWasMadeFrom) {
+  const TouchableHead head = sample_head();
+  const TemporaryFolder folder;
+  write_head(folder.path / "head.glb", head);
+  const Scan scan = read_scan(folder.path / "head.glb");
+  EXPECT_EQ(scan.mesh.points, head.skin.points) << "its own numbers, no frame, no skull";
+  EXPECT_EQ(scan.mesh.triangles, head.skin.triangles);
+  EXPECT_EQ(scan.unit_mm, head.unit_mm);
+  std::string bytes = head_bytes(head);
+  bytes.replace(bytes.find("\"unit_mm\":8"), 11, "\"unit_mm\":0");
+  EXPECT_THROW((void)read_scan(folder.write("none.glb", bytes)), InputError);
+}
+
+TEST(FitFile, HoldsSkullDepthsAndLandmarksInTheScansFrame) {
+  const TouchableHead head = sample_head();
+  FittedSkull fit{head.skull, head.map.depth, head.map.region, head.landmarks, {"a warning"}};
+  const TemporaryFolder folder;
+  write_fit(folder.path / "fit.glb", fit);
+  const std::string bytes = read_file(folder.path / "fit.glb");
+  const json document = chunk_json(bytes);
+  const json& facts = document["extras"]["palpate_fit"];
+  EXPECT_EQ(facts["warnings"], json({"a warning"}));
+  EXPECT_EQ(facts["landmarks"]["nose_tip"]["position_mm"], json({0.1, 2, 95}));
+  const std::size_t depth = document["meshes"][1]["primitives"][0]["attributes"]["_DEPTH"];
+  const json& accessor = document["accessors"][depth];
+  ASSERT_EQ(accessor["count"], fit.depth.size());
+  const std::size_t view = accessor["bufferView"];
+  const std::size_t start = 28 + load<std::uint32_t>(bytes.data() + 12) +
+                            document["bufferViews"][view].value("byteOffset", std::size_t{0});
+  for (std::size_t v = 0; v < fit.depth.size(); ++v) {
+    const auto stored = load<float>(bytes.data() + start + 4 * v);
+    EXPECT_EQ(stored, std::isfinite(fit.depth[v]) ? static_cast<float>(fit.depth[v]) : -1.0f);
+  }
+  Scan skull = read_scan(folder.path / "fit.glb");  // in metres
+  ASSERT_EQ(skull.mesh.points.size(), fit.skull.points.size());
+  for (std::size_t i = 0; i < fit.skull.points.size(); ++i)
+    EXPECT_LT((1000 * skull.mesh.points[i] - fit.skull.points[i]).norm(), 1e-9);
+  fit.region.pop_back();
+  EXPECT_THROW(write_fit(folder.path / "bad.glb", fit), InputError);
+  EXPECT_FALSE(std::filesystem::exists(folder.path / "bad.glb"));
 }
 
 TEST(HeadFile, StoresCoefficientsThatGiveTheForceBack) {

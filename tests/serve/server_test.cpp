@@ -5,6 +5,7 @@
 #include <gtest/gtest.h>
 
 #include <memory>
+#include <optional>
 #include <vector>
 
 #include "core/error.hpp"
@@ -48,6 +49,46 @@ TEST_F(Serving, FilesAndNothingElse) {
   raw::Client post(port());
   post.send("POST / HTTP/1.1\r\nHost: localhost\r\nContent-Length: 0\r\n\r\n");
   EXPECT_TRUE(post.receive(3000).starts_with("HTTP/1.1 405"));
+}
+
+TEST_F(Serving, APublishedFileReplacesTheLastWhileThatIsRead) {
+  server_->publish("/fit.glb", {std::string(8 << 20, 'a'), content_type("fit.glb")});
+  raw::Client slow(port());
+  ASSERT_TRUE(slow.get("/fit.glb").starts_with("HTTP/1.1 200"));  // the rest is on its way
+  server_->publish("/fit.glb", {"bb", content_type("fit.glb")});
+  raw::Client next(port());
+  EXPECT_NE((next.get("/fit.glb") + next.receive(200)).find("bb"), std::string::npos);
+  bool other = false;
+  for (int i = 0; i < 4096; ++i) {
+    const std::string more = slow.receive(300);
+    other = other || more.find('b') != std::string::npos;
+    if (more.empty()) break;
+  }
+  EXPECT_FALSE(other);
+  expect_alive();
+}
+
+TEST_F(Serving, AChannelBesideTheTouchKeepsTheSameDoor) {
+  Channel points;
+  points.post("state of things");
+  const Server beside({}, {}, s_.live, {{"/points", &points}});
+  raw::Client good(beside.port());
+  ASSERT_TRUE(good.upgrade("Origin: http://localhost\r\n", "/points"));
+  EXPECT_NE(good.receive_until("state of things", 3000).find("state of things"), std::string::npos);
+  EXPECT_TRUE(good.send(raw::frame("{\"do\":\"stop\"}", 1)));
+  std::optional<std::string> came;
+  for (int i = 0; i < 200 && !(came = points.take()); ++i)
+    std::this_thread::sleep_for(std::chrono::milliseconds(10));
+  EXPECT_EQ(came, "{\"do\":\"stop\"}");
+  EXPECT_FALSE(raw::Client(beside.port()).upgrade("Origin: http://evil.com\r\n", "/points"));
+  raw::Client lots(beside.port());
+  ASSERT_TRUE(lots.upgrade("", "/points"));
+  std::string header("\x81\xff\x00\x00\x00\x00\x00\x10\x00\x00\0\0\0\0", 14);  // announces 1 MiB
+  lots.send(header + std::string(70'000, 'x'));
+  EXPECT_TRUE(lots.closed_within(3000));
+  EXPECT_FALSE(points.take()) << "what is too long is not handed on";
+  raw::Client live(beside.port());
+  EXPECT_TRUE(live.upgrade());
 }
 
 TEST_F(Serving, StrangersAreRefused) {

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Writes a head in closed form for the tests of the page:  write_test_head OUT.glb CUTS [face]
 // 8 CUTS^2 triangles; below -90 mm no vertex has a curve. "face": completed behind z = -20 mm.
+// write_test_head OUT.glb SCAN.ply  makes one of the bundled scan (real_head.hpp).
 #include <cstdlib>
 #include <iostream>
 #include <limits>
@@ -8,9 +9,14 @@
 
 #include "haptics/scenes.hpp"
 #include "io/head_file.hpp"
+#include "real_head.hpp"
 
 int main(int argc, char** argv) {
   using namespace palpate;
+  if (argc == 3 && std::string_view(argv[2]).ends_with(".ply")) {
+    io::write_head(argv[1], serve::real_head(argv[2]));
+    return 0;
+  }
   if (argc != 3 && !(argc == 4 && std::string_view(argv[3]) == "face")) return 2;
   TouchableHead head = haptics::scenes::bumpy_head(std::atoi(argv[2]));
   constexpr double kNone = std::numeric_limits<double>::quiet_NaN();

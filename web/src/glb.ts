@@ -13,6 +13,19 @@ export interface Surface {
   count: number;
 }
 
+export interface Landmark {
+  name: string;
+  /** mm, head frame */
+  position: Vec3;
+  confidence: number;
+}
+
+/** x_head = rotation (x_scan in mm - origin) */
+interface Frame {
+  rotation: number[][];
+  origin_mm: number[];
+}
+
 export interface Head {
   skin: Surface;
   skull: Surface | null;
@@ -34,6 +47,18 @@ export interface Head {
   statusNames: string[];
   toolRadius: number;
   input: string;
+  landmarks: Landmark[];
+  frame: Frame;
+}
+
+/** What `palpate fit` says of a head with other landmarks. */
+export interface Fit {
+  skull: Surface;
+  /** as in Head */
+  depth: Float32Array;
+  region: Float32Array;
+  /** of the head that it belongs to */
+  fileDepth: Float32Array;
 }
 
 interface Accessor {
@@ -58,7 +83,8 @@ interface Extension {
   status_names: string[];
   skin_region_names: string[];
   dents?: { force_n: number; radii_mm: number[] };
-  frame: { rotation: number[][]; origin_mm: number[] };
+  frame: Frame;
+  landmarks?: Record<string, { position_mm: number[]; confidence: number }>;
   provenance?: { input?: { name?: string; file?: string } };
 }
 
@@ -99,12 +125,12 @@ class Reader {
 }
 
 /** x_head = rotation (scale x - origin); normals turn with it. */
-function placed(reader: Reader, mesh: number, scale: number, e: Extension): Surface {
+function placed(reader: Reader, mesh: number, scale: number, frame: Frame): Surface {
   const primitive = reader.doc.meshes[mesh].primitives[0];
   const from = reader.floats(primitive.attributes["POSITION"], 3);
   const fromNormals = reader.floats(primitive.attributes["NORMAL"], 3);
-  const [r0, r1, r2] = e.frame.rotation;
-  const [ox, oy, oz] = e.frame.origin_mm;
+  const [r0, r1, r2] = frame.rotation;
+  const [ox, oy, oz] = frame.origin_mm;
   const positions = new Float32Array(from.length);
   const normals = new Float32Array(from.length);
   for (let i = 0; i < from.length; i += 3) {
@@ -131,8 +157,8 @@ export function parseHead(bytes: ArrayBuffer): Head {
   const attributes = reader.doc.meshes[skinMesh].primitives[0].attributes;
   const column = (name: string) => reader.floats(attributes[name], 1);
   return {
-    skin: placed(reader, skinMesh, e.unit_mm, e),
-    skull: skullMesh === undefined ? null : placed(reader, skullMesh, 1, e),
+    skin: placed(reader, skinMesh, e.unit_mm, e.frame),
+    skull: skullMesh === undefined ? null : placed(reader, skullMesh, 1, e.frame),
     forces: e.forces_n,
     travel: e.forces_n.map((_, i) => column(`_U_${i + 1}`)),
     depth: column("_DEPTH"),
@@ -148,5 +174,22 @@ export function parseHead(bytes: ArrayBuffer): Head {
     statusNames: e.status_names,
     toolRadius: e.tool_radius_mm,
     input: e.provenance?.input?.name ?? e.provenance?.input?.file ?? "",
+    landmarks: Object.entries(e.landmarks ?? {}).map(([name, mark]) => ({
+      name, position: toHead(e.frame, mark.position_mm), confidence: mark.confidence,
+    })),
+    frame: e.frame,
   };
+}
+
+function toHead(frame: Frame, scan: number[]): Vec3 {
+  return frame.rotation.map((row) => row.reduce((sum, r, k) => sum + r * (scan[k] - frame.origin_mm[k]), 0)) as Vec3;
+}
+
+/** @param head the one that was fitted; the skull is put into its frame */
+export function parseFit(bytes: ArrayBuffer, head: Head): Fit {
+  const reader = new Reader(bytes);
+  const attributes = reader.doc.meshes[1].primitives[0].attributes;
+  const depth = reader.floats(attributes["_DEPTH"], 1);
+  if (depth.length !== head.skin.count) throw new Error("it is of another head; the file on disk was replaced");
+  return { skull: placed(reader, 0, 1, head.frame), depth, region: reader.floats(attributes["_REGION"], 1), fileDepth: head.depth };
 }

@@ -2,7 +2,7 @@
 // Puts the page together: head, live socket, picture, readings.
 import { Color } from "three";
 import { drawCurve, StripChart, type Curve } from "./charts";
-import type { Head, Vec3 } from "./glb";
+import type { Fit, Head, Vec3 } from "./glb";
 import { dentAt } from "./dent";
 import { Hand } from "./hand";
 import { byId, message, setText } from "./dom";
@@ -11,6 +11,7 @@ import { Link, type Health, type Hello, type TouchState } from "./link";
 import { makeMap, type HeatMap, type MapName } from "./maps";
 import { fillReadings, showHealth, showHello } from "./readings";
 import { bytesOf } from "./palette";
+import { Points } from "./points";
 import { regionDirection } from "./regions";
 import { startTheme } from "./theme";
 import { View } from "./view";
@@ -36,6 +37,8 @@ class Page {
   private readonly strip = new StripChart(byId<HTMLCanvasElement>("strip"));
   private readonly link: Link;
   private readonly hand: Hand;
+  private readonly points: Points;
+  private fitShown = false;
   private head: Head | null = null;
   private hello: Hello | null = null;
   private state: TouchState | null = null;
@@ -56,12 +59,17 @@ class Page {
     this.hand = new Hand(this.view.canvas, this.view, this.link, {
       head: () => this.head,
       state: () => this.state,
-      mayPress: () => this.hello?.pointer ?? false,
+      mayPress: () => !this.points.active && (this.hello?.pointer ?? false),
       hover: (pick) => {
         this.hover = pick;
         this.readingsDue = true;
       },
       key: (key) => this.onKey(key),
+    });
+    const file: Partial<Head> = {};
+    this.points = new Points(this.view, {
+      head: () => this.head,
+      showFit: (fit) => this.showFit(fit, file),
     });
     this.wireControls();
     void this.load();
@@ -169,11 +177,27 @@ class Page {
     const force = Number(byId<HTMLInputElement>("map-force").value);
     const colors = this.hello.colors;
     this.map = makeMap(this.head, this.mapName(), force, colors.regions);
+    if (this.fitShown && ["stiffness", "error"].includes(this.map.name))
+      this.map.note += "; of the file, before points were moved";
     const missing = new Color(colors.missing).convertLinearToSRGB();
     this.view.paint(this.map, bytesOf(colors.sequential, 256), missing);
     drawLegend(this.map, colors);
     byId("force-row").hidden = this.map.name !== "stiffness";
     document.documentElement.dataset.map = this.map.name;
+  }
+
+  /** The skull that was fitted with moved points in the place of the file's, or that again. */
+  private showFit(fit: Fit | null, file: Partial<Head>): void {
+    const head = this.head!;
+    if (!file.depth) Object.assign(file, { depth: head.depth, region: head.region, skull: head.skull });
+    Object.assign(head, fit ? { depth: fit.depth, region: fit.region, skull: fit.skull } : file);
+    this.view.setSkull(head.skull);
+    if (fit && !this.fitShown) {
+      this.setOpacity(Math.min(this.view.opacity, 0.45));
+      document.querySelector<HTMLInputElement>("input[name=map][value=depth]")!.checked = true;
+    }
+    this.fitShown = fit !== null;
+    this.paint();
   }
 
   private repaint(): void {
@@ -273,6 +297,7 @@ class Page {
       this.paint();
     } else if (key === "t") this.setOpacity(this.view.opacity < 1 ? 1 : 0.45);
     else if (key === "p") this.togglePause();
+    else if (key === "m") this.points.toggle();
     else if (key === "n") this.stepRegion(1);
     else if (key === "v") this.stepRegion(-1);
     else if (key === "?") byId<HTMLDialogElement>("help").showModal();
@@ -289,6 +314,7 @@ class Page {
       head: () => this.head,
       map: () => this.map,
       dent: () => (this.head && this.state ? dentAt(this.head, this.state) : null),
+      points: () => this.points.now(),
       loadMs: () => this.loadMs,
       measureFrames: (count: number) => this.view.measure(count),
     };

@@ -42,6 +42,8 @@ export class View {
   private inset = 0;
   showDent = true;
   showArrow = true;
+  /** after each frame */
+  drawn: () => void = () => {};
 
   /** what is drawn on; in the place of the canvas that was given */
   readonly canvas: HTMLCanvasElement;
@@ -87,14 +89,22 @@ export class View {
     color.renderOrder = 3;
     this.depthMesh.frustumCulled = color.frustumCulled = false;
     this.scene.add(this.depthMesh, color);
-    if (head.skull) {
-      this.skullMesh = new THREE.Mesh(surfaceGeometry(head.skull), makeSolidMaterial("#e9e0c9", 0.05));
+    this.setSkull(head.skull);
+    this.fit();
+    this.dirty = true;
+  }
+
+  setSkull(skull: Surface | null): void {
+    const old = this.skullMesh;
+    if (old) this.scene.remove(old);
+    old?.geometry.dispose();
+    this.skullMesh = skull && new THREE.Mesh(surfaceGeometry(skull), old?.material ?? makeSolidMaterial("#e9e0c9", 0.05));
+    if (this.skullMesh) {
       this.skullMesh.renderOrder = 1;
       this.skullMesh.visible = this.opacity < 1; // behind opaque skin it would be drawn for nothing
       this.scene.add(this.skullMesh);
     }
-    this.fit();
-    this.dirty = true;
+    this.touch();
   }
 
   set covered(pixels: number) {
@@ -214,6 +224,19 @@ export class View {
     return [box.left + ((p.x + 1) / 2) * box.width, box.top + ((1 - p.y) / 2) * box.height];
   }
 
+  /** Where it is seen from. */
+  eye(): Vec3 {
+    this.placeCamera();
+    return this.camera.position.toArray() as Vec3;
+  }
+  /** Directions of the picture in the head's frame; `back` is towards the eye. */
+  axes(): { right: Vec3; up: Vec3; back: Vec3 } {
+    this.placeCamera();
+    const [right, up, back] = [new THREE.Vector3(), new THREE.Vector3(), new THREE.Vector3()];
+    this.camera.matrixWorld.extractBasis(right, up, back);
+    return { right: right.toArray() as Vec3, up: up.toArray() as Vec3, back: back.toArray() as Vec3 };
+  }
+
   /** Where the head turns about, in CSS pixels of the page; the cross is there. */
   middle(): [number, number] {
     return this.place(this.target.toArray() as Vec3);
@@ -278,6 +301,7 @@ export class View {
     }
     this.dirty = false;
     this.render();
+    this.drawn();
     ++this.frames;
     if (this.last > 0) {
       const ms = now - this.last;

@@ -11,6 +11,9 @@ export const HEAD = process.env.PALPATE_TEST_HEAD;
 /** the same, with skin that was completed */
 export const FACE = process.env.PALPATE_TEST_FACE;
 
+/** a face that can be fitted */
+export const REAL = process.env.PALPATE_TEST_REAL;
+
 /** Why the tests cannot run here; empty where they can. */
 export function missing() {
   if (!existsSync(CHROMIUM)) return `chromium is not installed (${CHROMIUM}): apt-get install chromium`;
