@@ -135,7 +135,9 @@ void add_view(CLI::App& app) {
   CLI::App* sub = add_subcommand(
       app, "view", "look at a head in the browser and press it with the mouse",
       "Example:  palpate view head.glb\n"
-      "Hold the left button on the skin and drag down to press deeper. Ctrl-C ends it.",
+      "Hold the left button on the skin and drag down to press deeper. [Move points] corrects the\n"
+      "landmarks: it writes head.landmarks.txt beside the head and fits the skull again. Ctrl-C "
+      "ends it.",
       c, [t](Command& command) { run_session(command, *t); });
   sub->add_option("HEAD", c->input, kHeadHelp)->required();
   add_page_options(sub, t);

@@ -170,8 +170,7 @@ void PointsDesk::start(const serve::PointsRequest& request) {
     throw;
   }
   note_ = nullptr;
-  fit_["moved"] = json::object();
-  for (const auto& [name, p] : request.moved) fit_["moved"][name] = numbers(p);
+  for (const auto& [name, p] : request.moved) run_->moved[name] = numbers(p);
   post();
 }
 
@@ -215,6 +214,7 @@ void PointsDesk::hear(const std::string& line) {
 void PointsDesk::finish_run(serve::Server& server, int code) {
   const std::string last = run_->last_line;
   const double seconds = now_s() - run_->started;
+  json moved = run_->moved;
   try {
     if (code == 0)
       server.publish(kFitPath,
@@ -233,7 +233,7 @@ void PointsDesk::finish_run(serve::Server& server, int code) {
   }
   fit_["number"] = ++fits_;
   fit_["path"] = fmt::format("{}?{}", kFitPath, fits_);
-  fit_["seconds"] = seconds;
+  fit_["moved"] = std::move(moved);
   say_(fmt::format("skull fitted with the page's points in {:.0f} s", seconds));
   note("fitted", fmt::format("fitted in {:.0f} s", seconds));
 }

@@ -52,6 +52,7 @@ class PointsDesk {
     std::map<std::string, double> expected;  // [s] per stage left
     double started = 0, stage_started = 0;   // [s]
     double done_expected = 0, done_taken = 0;
+    nlohmann::json moved = nlohmann::json::object();  // points that it was started with
     std::string stage, last_line;
     double left = 0;  // [s]
   };

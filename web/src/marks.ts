@@ -35,8 +35,7 @@ export const movedBy = (mark: Mark): number => apart(mark.position, mark.origin)
 
 /** Of the point on which its name is written, so that a face's names seldom cover each other. */
 function side({ name, position }: Landmark): string {
-  if (name.includes("inner")) return "above";
-  if (name === "stomion") return "below";
+  if (name.includes("inner") || name === "stomion") return "below";
   return position[0] < -3 ? "right" : "left";
 }
 

@@ -133,6 +133,15 @@ export class Points {
     byId("points-stop").hidden = !running;
     byId("points-no-fit").hidden = !this.state?.no_fit;
     setText("points-no-fit", this.state?.no_fit ?? "");
+    byId("points-since").hidden = !this.state?.fit || !this.differs(this.state.fit.moved);
+  }
+
+  /** Whether points are elsewhere than they were at a fit. */
+  private differs(fitted: Record<string, Vec3>): boolean {
+    return (this.marks?.all ?? []).some((mark) => {
+      const then = fitted[mark.name] ?? mark.origin;
+      return Math.hypot(...mark.position.map((x, k) => x - then[k])) > 1e-6;
+    });
   }
 
   private ask(on: boolean): void {

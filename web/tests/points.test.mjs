@@ -125,6 +125,11 @@ test("the skull is fitted again with them, and shown", options, async () => {
   assert.ok(skull > 1000 && opacity < 1);
   assert.equal(map, "depth");
   if (process.env.PALPATE_SCREENSHOTS) await page.screenshot({ path: join(process.env.PALPATE_SCREENSHOTS, "points-fit.png") });
+  assert.ok(await page.locator("#points-since").isHidden());
+  await mark("nose tip").focus();
+  await page.keyboard.press("ArrowUp");
+  assert.ok(await page.locator("#points-since").isVisible(), "the skull shown is not that of the points shown");
+  await page.keyboard.press("Backspace");
   await page.getByText("of the file", { exact: true }).click();
   assert.equal(await page.evaluate(() => window.palpate.head().depth[0]), 10, "the file's own again");
 });
