@@ -21,7 +21,7 @@ extern char** environ;  // for posix_spawn
 
 namespace palpate::app {
 
-ChildProcess::ChildProcess(std::vector<std::string> words) {
+ChildProcess::ChildProcess(const std::string& program, std::vector<std::string> words) {
   std::array<int, 2> ends{};
   if (pipe2(ends.data(), O_CLOEXEC | O_NONBLOCK) != 0)
     throw FileError(fmt::format("no pipe for a child process: {}", std::strerror(errno)));
@@ -34,13 +34,12 @@ ChildProcess::ChildProcess(std::vector<std::string> words) {
   std::vector<char*> arguments;
   for (std::string& word : words) arguments.push_back(word.data());
   arguments.push_back(nullptr);
-  const int error =
-      posix_spawn(&pid_, words.front().c_str(), &files, nullptr, arguments.data(), environ);
+  const int error = posix_spawn(&pid_, program.c_str(), &files, nullptr, arguments.data(), environ);
   posix_spawn_file_actions_destroy(&files);
   close(ends[1]);
   if (error == 0) return;
   close(pipe_);
-  throw FileError(fmt::format("{}: cannot be started: {}", words.front(), std::strerror(error)));
+  throw FileError(fmt::format("{}: cannot be started: {}", program, std::strerror(error)));
 }
 
 ChildProcess::~ChildProcess() {

@@ -13,9 +13,11 @@ namespace palpate::app {
 /// does not feel it. For one thread.
 class ChildProcess {
  public:
-  /// @param words  program and arguments; both its outputs come back as lines
+  /// @param program  file; "/proc/self/exe" is this very program, also where a newer one has taken
+  ///                 its place on disk
+  /// @param words    its name and its arguments; both its outputs come back as lines
   /// @throws FileError  it cannot be started
-  explicit ChildProcess(std::vector<std::string> words);
+  ChildProcess(const std::string& program, std::vector<std::string> words);
   ~ChildProcess();  ///< kills it where it still runs
   ChildProcess(const ChildProcess&) = delete;
   ChildProcess& operator=(const ChildProcess&) = delete;

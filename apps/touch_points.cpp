@@ -145,8 +145,7 @@ void PointsDesk::start(const serve::PointsRequest& request) {
   try {
     const std::string points = (run_->folder / "points.txt").string();
     write_file(points, text_of(request.moved));
-    // This very program, also where a newer one has taken its place on disk.
-    std::vector<std::string> words = {"/proc/self/exe",
+    std::vector<std::string> words = {"palpate",
                                       "fit",
                                       head_file_.string(),
                                       "--landmark-file",
@@ -164,7 +163,7 @@ void PointsDesk::start(const serve::PointsRequest& request) {
     for (const auto& [key, flag] : {std::pair{"landmarks", "--landmarks"}, {"fit", "--fit"}})
       if (options.is_object() && options.contains(key) && options[key] == "published")
         words.insert(words.end(), {flag, "published"});
-    run_->process = std::make_unique<ChildProcess>(std::move(words));
+    run_->process = std::make_unique<ChildProcess>("/proc/self/exe", std::move(words));
   } catch (const std::runtime_error&) {
     stop_run();
     throw;

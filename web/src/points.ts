@@ -147,6 +147,7 @@ export class Points {
   private ask(on: boolean): void {
     byId("points-exists").hidden = !on;
     if (on) byId("points-replace").focus();
+    else if (document.activeElement === document.body) byId("points-save").focus();
   }
 
   private note(note: NonNullable<PointsState["note"]>): void {
