@@ -9,6 +9,7 @@
 
 #include "scenes.hpp"
 #include "stiffness/press_sites.hpp"
+#include "stiffness/survey.hpp"
 
 namespace palpate::stiffness {
 namespace {
@@ -38,6 +39,16 @@ TEST(Sweep, GivesEveryPointOnTissueAnAscendingCurve) {
       EXPECT_GT(s.map.curve(p)[l], s.map.curve(p)[l - 1]);
   }
   for (const auto p : s.sites) EXPECT_EQ(s.map.status[p], VertexStatus::solved);
+  // What is known before anything is pressed is what the map says afterwards.
+  const StiffnessMap before =
+      survey(head.skin, head.skull, {head.skin.skin.points, head.skin.region}, quick());
+  ASSERT_EQ(before.depth.size(), s.map.size());
+  EXPECT_TRUE(before.forces.empty());
+  for (std::size_t p = 0; p < s.map.size(); ++p) {
+    EXPECT_TRUE(before.depth[p] == s.map.depth[p] ||
+                (std::isnan(before.depth[p]) && std::isnan(s.map.depth[p])));
+    EXPECT_EQ(before.has_curve(p), s.map.has_curve(p)) << "no site failed here";
+  }
 }
 
 TEST(Sweep, FastModeAdmitsWhereThePatchCannotFollowTheSkin) {
