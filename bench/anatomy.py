@@ -71,8 +71,9 @@ def turned(o):
     say(f"{'turned':10} {'copies':>6} {'success':>7} {'refused':>7} {'wrong':>5} {'mean':>5} {'worst':>6} {'s each':>6}")
     total = np.zeros(4)
     by_kind = {k: np.zeros(3) for k in scans.TREATMENTS}
-    for index, (name, path, unit, marks, _) in enumerate(o.heads):
+    for name, path, unit, marks, _ in o.heads:
         if not marks: continue
+        index = o.place[name]  # the same copies whatever --only leaves out
         points, triangles, truth = scans.in_millimetres(path, unit, marks)
         found, counts, start = [], np.zeros(3), time.time()
         for turn in range(o.turns):
@@ -222,7 +223,9 @@ def main():
     q.add_argument('--turns', type=int, default=20); q.add_argument('--only'); q.add_argument('--parts')
     o = q.parse_args()
     os.makedirs(o.out, exist_ok=True)
-    o.heads = [h for h in scans.heads(o.shared) if not o.only or h[0] in o.only.split(',')]
+    all_heads = list(scans.heads(o.shared))
+    o.place = {h[0]: i for i, h in enumerate(all_heads)}
+    o.heads = [h for h in all_heads if not o.only or h[0] in o.only.split(',')]
     if not any(h[4] for h in o.heads): say('no head with a true skull here (../shared/heads): its figures are left out')
     parts = {'upright': upright, 'turned': turned, 'fit': fit, 'ct': ct, 'face': face, 'time': timing}
     for part in o.parts.split(',') if o.parts else parts: parts[part](o)

@@ -166,11 +166,14 @@ class BoxTreeBuilder {
   }
 
   static void set(Lanes& lanes, int lane, float value) {
-    (lane < 4 ? lanes.low : lanes.high)[lane % 4] = value;
+    if (lane < 4)
+      lanes.low[lane] = value;
+    else
+      lanes.high[lane - 4] = value;
   }
 
   static float get(const Lanes& lanes, int lane) {
-    return (lane < 4 ? lanes.low : lanes.high)[lane % 4];
+    return lane < 4 ? lanes.low[lane] : lanes.high[lane - 4];
   }
 
   void set_lane(std::size_t id, int lane, const Vec3& low, const Vec3& high, std::int32_t child) {

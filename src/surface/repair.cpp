@@ -35,10 +35,11 @@ constexpr double kThin = 0.5;
 constexpr double kFlattest = 1e-3;
 constexpr double kSmallest = 10;  // [target edges] across: an object of fewer has no shape left
 constexpr double kMostTriangles = 4e6;  // of the working mesh: a bust at 1 mm has 0.8 M
-// [target edges] Width of gaps that a wrap bridges, and its distance from the surface.
-constexpr double kWrapAlpha = 2.0, kWrapOffset = 0.1;
-// [target edges] 95th percentile of the deviation beyond which the result is another shape: a wrap
-// costs up to its alpha, good scans a tenth of an edge.
+// [target edges] Width of gaps that a wrap bridges, which is also the size of its triangles, and
+// its distance from the surface. What is wrapped has no holes left, so that gaps need not be wide.
+constexpr double kWrapAlpha = 0.7, kWrapOffset = 0.1;
+// [target edges] 95th percentile of the deviation beyond which the result is another shape: wrapped
+// scans have about half an edge, good ones a tenth.
 constexpr double kFarthest = 2.0;
 // [target edges] A wrapped point farther than this from the scan has no scan nearby.
 constexpr double kNearby = 0.5;
@@ -118,14 +119,16 @@ Base close_pockets(CornerMesh& m, const Pockets& pockets, Base base, double edge
   return base;
 }
 
-// The wrap, remeshed where that keeps it free of self-intersections.
-SurfaceMesh wrapped(const SurfaceMesh& mesh, double edge, const Progress& progress) {
+// The wrap, remeshed and drawn back onto the scan where that keeps it free of self-intersections.
+SurfaceMesh wrapped(const SurfaceMesh& mesh, const std::vector<SurfaceSample>& scan, double edge,
+                    const Progress& progress) {
   progress.step("wrapping", 0);
   const SurfaceMesh wrap = alpha_wrap(mesh, kWrapAlpha * edge, kWrapOffset * edge);
   if (wrap.empty())
     throw InputError("the scan does not close into a volume; a whole head is needed");
   CornerMesh m = corner_mesh(wrap);
   remesh(m, SurfaceQuery(wrap), edge, kIterations, progress);
+  conform(m, scan, edge, progress);
   return untangle(m, edge, progress) ? m.to_surface() : wrap;
 }
 
@@ -151,6 +154,19 @@ void flag_filled(WorkingSurface& w, const SurfaceQuery& query, const Base& base,
     const ClosestPoint c = query.closest(w.mesh.points[v]);
     w.filled[v] = base.patch[c.triangle] != kScan || c.distance > nearby;
   });
+}
+
+// Points of a wrap that came from a closed hole, and their neighbours.
+std::vector<std::uint8_t> near_covers(const SurfaceMesh& wrap, const SurfaceQuery& query,
+                                      const Base& base) {
+  std::vector<std::uint8_t> cover(wrap.points.size());
+  tbb::parallel_for(std::size_t{0}, cover.size(), [&](std::size_t v) {
+    cover[v] = base.patch[query.closest(wrap.points[v]).triangle] != kScan;
+  });
+  std::vector<std::uint8_t> near = cover;
+  for (const auto& [a, b, c] : wrap.triangles)
+    if (cover[a] || cover[b] || cover[c]) near[a] = near[b] = near[c] = 1;
+  return near;
 }
 
 double percentile_95(std::vector<double>& values) {
@@ -248,14 +264,15 @@ WorkingSurface make_working_surface(const SurfaceMesh& scan, const RepairOptions
   }
 
   blend_covers(m);
-  conform(m, scan_samples(base), edge, progress);
+  const std::vector<SurfaceSample> samples = scan_samples(base);
+  conform(m, samples, edge, progress);
   const SurfaceMesh tangled = m.to_surface();
   report.wrapped = !untangle(m, edge, progress);
   std::vector<std::uint8_t> near_cover = near_covers(m);
   w.mesh = m.to_surface();
   if (report.wrapped) {
-    w.mesh = wrapped(tangled, edge, progress);
-    near_cover.assign(w.mesh.points.size(), 0);
+    w.mesh = wrapped(tangled, samples, edge, progress);
+    near_cover = near_covers(w.mesh, *query, base);
   }
   flag_filled(w, *query, base, kNearby * edge);
   measure_deviation(scan_points, w.mesh, near_cover, with_pockets.get(), pockets, report);
