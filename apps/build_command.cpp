@@ -133,9 +133,8 @@ void run_build(Command& command, BuildOutputs outputs) {
   StageClock clock(*progress);
   const PipelineOptions& options = command.options;
 
-  const PreparedScan scan = is_image(options)
-                                ? prepare_image(options, *progress, clock)
-                                : prepare_scan(command.input, options, *progress, clock);
+  PreparedScan scan = is_image(options) ? prepare_image(options, *progress, clock)
+                                        : prepare_scan(command.input, options, *progress, clock);
   const LocatedHead located = locate_head(scan, options, *progress, clock);
   const SkullFit skull = make_skull(located, options, *progress, clock);
   std::vector<std::string> tissue_warnings;

@@ -65,6 +65,8 @@ static void finish_preset(Command& c) {
   c.options.sweep.mode = published           ? stiffness::SweepMode::published
                          : c.mode == "exact" ? stiffness::SweepMode::exact
                                              : stiffness::SweepMode::fast;
+  c.options.sweep.organs.organs =
+      published || c.organs == "held" ? stiffness::Organs::held : stiffness::Organs::supported;
 }
 
 void Command::finish() {
@@ -174,6 +176,16 @@ void add_sweep_options(CLI::App* sub, const CommandPtr& c) {
       sub->add_option("--tool-radius", s.tool_radius, "[mm] sphere that presses; 8 is a fingertip")
           ->check(CLI::Range(1.0, 30.0))
           ->capture_default_str());
+  fixed(sub->add_option("--organs", c->organs,
+                        "supported: the globe of the eye and the cartilage of the nose carry the "
+                        "skin, lips lie on teeth; held: no curve on eyes, nose and lips, as in the "
+                        "source")
+            ->check(CLI::IsMember({"supported", "held"}))
+            ->capture_default_str());
+  fixed(sub->add_option("--organ-give", s.organs.give,
+                        "[mm/N] how far globe and cartilage give way; an assumption")
+            ->check(CLI::Range(0.0, 20.0))
+            ->capture_default_str());
   sub->add_option("--max-force", s.max_force, "[N] largest of the equal force steps")
       ->check(CLI::Range(0.1, 20.0))
       ->capture_default_str();

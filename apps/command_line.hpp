@@ -32,6 +32,7 @@ struct Command {
   std::vector<const CLI::Option*> fixed_by_published;  ///< what `--preset published` sets itself
   std::vector<const CLI::Option*> published_only;
   std::string mode = "fast";
+  std::string organs = "supported";
   std::string shard;   ///< "i/n", i from 1
   std::string config;  ///< read before the parse; here for --help
   bool json = false;

@@ -52,6 +52,8 @@ json describe(const PipelineOptions& o) {
                                                              : "fast"},
       {"published_reach_mm", published ? json(o.sweep.published.reach) : json(nullptr)},
       {"tissue_model", describe(o.sweep.tissue)},
+      {"organs", o.sweep.organs.organs == stiffness::Organs::held ? "held" : "supported"},
+      {"organ_give_mm_per_n", o.sweep.organs.give},
       {"loads", o.sweep.loads},
       {"max_force_n", o.sweep.max_force},
       {"sites", o.sweep.sites},

@@ -2,7 +2,9 @@
 #include "apps/pipeline.hpp"
 
 #include <fmt/format.h>
+
 #include <tbb/global_control.h>
+#include <utility>
 
 #include <algorithm>
 #include <cmath>
@@ -28,6 +30,16 @@ static std::optional<LengthUnit> unit_of(double mm) {
   return {};
 }
 
+/// Scales the scan to mm by its unit and makes the working surface.
+static void repair(PreparedScan& scan, const PipelineOptions& options, const Progress& progress,
+                   StageClock& clock) {
+  scan.scan_mm =
+      transformed(scan.scan.mesh, millimetres(scan.unit) * Mat3::Identity(), Vec3::Zero());
+  scan.working = clock.run("repair", [&] {
+    return surface::make_working_surface(scan.scan_mm, options.repair, progress);
+  });
+}
+
 PreparedScan prepare_scan(const std::filesystem::path& path, const PipelineOptions& options,
                           const Progress& progress, StageClock& clock) {
   PreparedScan prepared;
@@ -39,15 +51,12 @@ PreparedScan prepare_scan(const std::filesystem::path& path, const PipelineOptio
     const io::UnitGuess guess = io::guess_unit(prepared.scan.mesh);
     prepared.unit = guess.unit;
     prepared.unit_certain = guess.certain;
+    prepared.other_unit = guess.other;
   } else {
     prepared.unit = length_unit(options.unit).value();  // checked by the command line
   }
-  prepared.scan_mm =
-      transformed(prepared.scan.mesh, millimetres(prepared.unit) * Mat3::Identity(), Vec3::Zero());
   try {
-    prepared.working = clock.run("repair", [&] {
-      return surface::make_working_surface(prepared.scan_mm, options.repair, progress);
-    });
+    repair(prepared, options, progress, clock);
   } catch (const InputError& error) {
     throw InputError(fmt::format("{}: {}", path.string(), error.what()));
   }
@@ -104,20 +113,45 @@ static void warn_of_a_coarse_wrap(const surface::RepairReport& repair,
                     repair.deviation_p95_mm));
 }
 
-LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
-                        const Progress& progress, StageClock& clock) {
-  LocatedHead located;
+/// What the search is told, in mm.
+static landmarks::DetectOptions wanted_of(const PreparedScan& scan,
+                                          const PipelineOptions& options) {
   landmarks::DetectOptions wanted = options.landmarks;
   for (auto& [name, position] : wanted.given) position *= millimetres(scan.unit);
   wanted.scan = &scan.scan_mm;
-  std::optional<landmarks::CompletedFace> completed;
-  try {
-    located.detection = clock.run("landmarks", [&] {
-      return detect(scan, wanted, options.repair.target_edge, progress, completed);
+  return wanted;
+}
+
+/// A face can be told from no face, a unit's guess cannot: what has no face in one unit is looked
+/// at in the next.
+static landmarks::Detection detect_in_either_unit(
+    PreparedScan& scan, const PipelineOptions& options, const Progress& progress, StageClock& clock,
+    std::optional<landmarks::CompletedFace>& completed) {
+  const auto look = [&] {
+    return clock.run("landmarks", [&] {
+      return detect(scan, wanted_of(scan, options), options.repair.target_edge, progress,
+                    completed);
     });
+  };
+  try {
+    return look();
   } catch (const InputError& error) {
+    if (scan.other_unit) try {
+        scan.unit = *std::exchange(scan.other_unit, std::nullopt);
+        repair(scan, options, progress, clock);
+        return look();
+      } catch (const InputError&) {  // the likelier unit's reason is the one to tell
+      }
     throw InputError(fmt::format("{}: {}", scan.file_name, error.what()));
   }
+}
+
+LocatedHead locate_head(PreparedScan& scan, const PipelineOptions& options,
+                        const Progress& progress, StageClock& clock) {
+  LocatedHead located;
+  std::optional<landmarks::CompletedFace> completed;
+  located.detection = detect_in_either_unit(scan, options, progress, clock, completed);
+  const landmarks::DetectOptions wanted = wanted_of(scan, options);
   warn_of_a_coarse_wrap(scan.working.report, located.detection.warnings);
   for (const auto& [name, position] : wanted.given)  // to the last bit, whatever turned in between
     located.detection.landmarks[name] = {position, 1};
@@ -215,7 +249,7 @@ MappedHead make_map(const LocatedHead& located, const SkullFit& skull,
   if (options.sweep.shard_count > 1) return mapped;
   if (carry)
     mapped.map = clock.run("transfer", [&] {
-      return stiffness::transfer(mapped.sweep.map, located.head, skull, points);
+      return stiffness::transfer(mapped.sweep.map, located.head, skull, points, sweep.organs);
     });
   else
     mapped.map = mapped.sweep.map;

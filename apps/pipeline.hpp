@@ -69,6 +69,7 @@ struct PreparedScan {
   std::string file_name;
   LengthUnit unit = LengthUnit::mm;
   bool unit_certain = true;
+  std::optional<LengthUnit> other_unit;    ///< next best guess; none where the unit was given
   SurfaceMesh scan_mm;                     ///< the user's vertices, [mm]
   surface::WorkingSurface working;         ///< scan frame, [mm]
   std::optional<SurfaceMesh> known_skull;  ///< scan frame, [mm]: from an image
@@ -91,7 +92,9 @@ struct LocatedHead {
   std::vector<SkinRegion> region;          ///< of the user's vertices
   std::optional<SurfaceMesh> known_skull;  ///< head frame, [mm]
 };
-[[nodiscard]] LocatedHead locate_head(const PreparedScan& scan, const PipelineOptions& options,
+/// @param scan  where no face is found and the unit was guessed, it is made ready again in the next
+///              best unit
+[[nodiscard]] LocatedHead locate_head(PreparedScan& scan, const PipelineOptions& options,
                                       const Progress& progress, StageClock& clock);
 
 /// The fitted skull, or the user's own one; head frame.

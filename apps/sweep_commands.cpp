@@ -21,7 +21,7 @@ void run_sweep(Command& c) {
   if (!shard) check_writable(c.output);
   const auto progress = make_terminal_progress(c.quiet);
   StageClock clock(*progress);
-  const PreparedScan scan = prepare_scan(c.input, c.options, *progress, clock);
+  PreparedScan scan = prepare_scan(c.input, c.options, *progress, clock);
   const LocatedHead located = locate_head(scan, c.options, *progress, clock);
   const SkullFit skull = make_skull(located, c.options, *progress, clock);
   const MappedHead mapped = make_map(located, skull, c.options, *progress, clock);

@@ -2,6 +2,7 @@
 // Scans in: OBJ, PLY (ascii, both binary orders), STL (ascii, binary), OFF, glTF and GLB.
 #pragma once
 #include <filesystem>
+#include <optional>
 #include <string>
 
 #include "core/surface_mesh.hpp"
@@ -27,7 +28,8 @@ struct Scan {
 
 struct UnitGuess {
   LengthUnit unit = LengthUnit::mm;
-  bool certain = false;  ///< false where two units fit a head's size
+  bool certain = false;             ///< false where two units fit a head's size
+  std::optional<LengthUnit> other;  ///< the next best, where it is possible at all
 };
 /// From the size of a head or bust. @throws InputError where no unit gives 120 to 1200 mm
 [[nodiscard]] UnitGuess guess_unit(const SurfaceMesh& scan);

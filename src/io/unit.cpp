@@ -57,7 +57,7 @@ double extent(const SurfaceMesh& scan) {
 UnitGuess guess_unit(const SurfaceMesh& scan) {
   const double size = extent(scan);
   UnitGuess guess;
-  double best = std::numeric_limits<double>::infinity();
+  double best = std::numeric_limits<double>::infinity(), second = best;
   int plausible = 0;
   for (const Candidate& c : kCandidates) {
     const double mm = size * millimetres(c.unit);
@@ -65,8 +65,13 @@ UnitGuess guess_unit(const SurfaceMesh& scan) {
     plausible += mm >= kHeadLowMm && mm <= kHeadHighMm;
     const double score = std::abs(std::log(mm / kHeadMm)) + c.rarity;
     if (score < best) {
+      if (std::isfinite(best)) guess.other = guess.unit;
+      second = best;
       best = score;
       guess.unit = c.unit;
+    } else if (score < second) {
+      second = score;
+      guess.other = c.unit;
     }
   }
   if (!std::isfinite(best))

@@ -17,12 +17,15 @@ namespace {
 constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
 constexpr double kOffSkin = 4;  // [mm] a point farther from the working skin is not skin
 
-bool is_organ(SkinRegion r) {
-  return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
+/// The published recipe holds them.
+OrganOptions organs_of(const SweepOptions& o) {
+  OrganOptions organs = o.organs;
+  if (o.mode == SweepMode::published) organs.organs = Organs::held;
+  return organs;
 }
 
-VertexStatus status_of(const Spot& spot, bool tissue) {
-  if (is_organ(spot.region)) return VertexStatus::held;
+VertexStatus status_of(const Spot& spot, bool tissue, Organs organs) {
+  if (organs == Organs::held && is_organ(spot.region)) return VertexStatus::held;
   if (!tissue || spot.region == SkinRegion::ear) return VertexStatus::no_bone;
   return VertexStatus::blended;
 }
@@ -31,7 +34,7 @@ VertexStatus status_of(const Spot& spot, bool tissue) {
 
 Ground::Ground(const HeadSurface& h, const SkullFit& skull, const SkinPoints& points,
                const SweepOptions& o, const Progress& progress)
-    : head(h), options(o), skin(h.skin), bone(skull.mesh), flesh(o.tissue, h) {
+    : head(h), options(o), skin(h.skin), carriers(h, skull, organs_of(o)), flesh(o.tissue, h) {
   limits.no_bone_beyond = o.no_bone_beyond;
   for (int i = 1; i <= o.loads; ++i) forces.push_back(o.max_force * i / o.loads);
   const std::vector<Vec3> normals = smoothed_normals(h.skin, o.tool_radius);
@@ -44,7 +47,7 @@ Ground::Ground(const HeadSurface& h, const SkullFit& skull, const SkinPoints& po
         known.try_emplace({at.x(), at.y(), at.z()}, static_cast<std::int32_t>(position.size()));
     if (fresh) {
       position.push_back(at);
-      spots.push_back({{}, points.region[p], VertexStatus::no_bone, kNan, {}});
+      spots.push_back({{}, points.region[p], VertexStatus::no_bone, kNan, 0, {}});
     }
     spot_of.push_back(entry->second);
   }
@@ -56,11 +59,13 @@ Ground::Ground(const HeadSurface& h, const SkullFit& skull, const SkinPoints& po
     for (int i = 0; i < 3; ++i)
       normal += at.barycentric[i] * normals[h.skin.triangles[at.triangle][i]];
     spot.frame = site_frame(at.point, normal);
-    const auto found = site_features(spot.frame, o.tool_radius, skin, bone, limits);
+    const auto found = site_features(spot.frame, o.tool_radius, skin, carriers.query(), limits);
     const bool tissue = found && !leaves_tissue(spot.frame, found->depth, skin);
     if (tissue) spot.depth = found->depth;
-    spot.status = status_of(spot, tissue);
-    if (spot.status == VertexStatus::blended) spot.shape = found->shape;
+    spot.status = status_of(spot, tissue, organs_of(o).organs);
+    if (spot.status != VertexStatus::blended) return;
+    spot.shape = found->shape;
+    spot.organ = carriers.organ_share(spot.frame.origin, spot.frame.normal(), o.tool_radius);
   });
 }
 
@@ -68,7 +73,7 @@ std::uint64_t Ground::fingerprint() const {
   Fingerprint f;
   f.add(std::string(kVersion));
   f.add(static_cast<double>(fem::lanes::best_instruction_set()));
-  for (const SurfaceMesh* mesh : {&head.skin, &bone.mesh()}) {
+  for (const SurfaceMesh* mesh : {&head.skin, &carriers.query().mesh()}) {
     for (const Vec3& p : mesh->points) f.add(std::as_bytes(std::span(p.data(), 3)));
     for (const Triangle& t : mesh->triangles) f.add(std::as_bytes(std::span(t)));
   }
@@ -85,6 +90,8 @@ std::uint64_t Ground::fingerprint() const {
     for (const double x : t.by_region) f.add(x);
     for (const SkinRegion r : head.region) f.add(static_cast<double>(r));
   }
+  for (const Spot& s : spots) f.add(s.organ);
+  for (const double x : {options.organs.give, options.organs.give_error}) f.add(x);
   if (options.mode == SweepMode::published)
     for (const double x : {options.published.reach, options.published.max_volume}) f.add(x);
   for (const TissueLayer& l : t.layers)

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <atomic>
 
+#include "stiffness/carriers.hpp"
 #include "stiffness/checkpoint.hpp"
 #include "stiffness/site_features.hpp"
 #include "stiffness/sweep.hpp"
@@ -18,14 +19,16 @@ struct Spot {
   SiteFrame frame;
   SkinRegion region = SkinRegion::other;
   VertexStatus status = VertexStatus::no_bone;  ///< `blended` where there is tissue to press
-  double depth = 0;                             ///< [mm]; NaN where no bone
+  double depth = 0;                             ///< [mm] to what carries it; NaN where nothing
+  double organ = 0;                             ///< [-] Carriers::organ_share
   Eigen::VectorXd shape;                        ///< SiteFeatures::shape; empty without tissue
 };
 
 struct Ground {
   const HeadSurface& head;
   const SweepOptions& options;
-  surface::SurfaceQuery skin, bone;
+  surface::SurfaceQuery skin;
+  Carriers carriers;
   SamplingLimits limits;
   Flesh flesh;
   std::vector<double> forces;         ///< [N] ascending

@@ -129,7 +129,7 @@ class Presser {
     std::vector<PatchGeometry> geometry;
     for (const std::int32_t site : sites) {
       const PatchGeometry g = sample_patch(kind.tissue.columns, radius(), ground_.spots[site].frame,
-                                           ground_.skin, ground_.bone, ground_.limits);
+                                           ground_.skin, ground_.carriers.query(), ground_.limits);
       patches.push_back({patch_nodes(kind.tissue, g, kind.tissue.rule.first_layer, kind.levels),
                          ground_.flesh.moduli(kind.tissue, g),
                          fem::default_penalty(ground_.flesh.surface_modulus(g), radius())});

@@ -54,6 +54,7 @@ void check(const HeadSurface& head, const SkullFit& skull, const SkinPoints& poi
                     o.tool_radius, kToolPerHead * box.sizes().minCoeff()));
   if (o.loads < 1 || !(o.max_force > 0)) throw InputError("a sweep needs loads and a force > 0");
   if (o.sites < 0 || o.sites == 1) throw InputError("a sweep needs at least 2 sites, or 0 for all");
+  if (!(o.organs.give >= 0)) throw InputError("the give of organs must be >= 0");
   if (!(o.error_bound > 0)) throw InputError("the error bound must be > 0");
   if (!(o.no_bone_beyond > 0)) throw InputError("no_bone_beyond must be > 0");
   if (o.shard_count < 1 || o.shard < 0 || o.shard >= o.shard_count)
@@ -120,6 +121,7 @@ class Filler {
     }
     fall_back(progress);
     admit_clamped_skin();
+    give_way();
     return std::move(rows_);
   }
 
@@ -138,8 +140,21 @@ class Filler {
     }
   }
 
+  /// Globes and cartilage were held while they were pressed; they give way, which is assumed.
+  void give_way() {
+    const OrganOptions& organs = ground_.options.organs;
+    for (const std::int32_t s : tissue_) {
+      Row& row = rows_[s];
+      const double share = ground_.spots[s].organ;
+      if (row.travel.empty() || share == 0) continue;
+      for (std::size_t l = 0; l < row.travel.size(); ++l)
+        row.travel[l] += share * organs.give * ground_.forces[l];
+      row.error = std::hypot(row.error, share * organs.give_error);
+    }
+  }
+
   /// What failed on its patch, and in exact mode what no height field describes, on a piece of the
-  /// head's own tetrahedra.
+  /// head's own tetrahedra; these know of bone alone, so organs keep what the patch says.
   void fall_back(const Progress& progress) {
     std::vector<std::int32_t> wanted;
     double bent = 0;
@@ -147,6 +162,7 @@ class Filler {
       const SiteCurve* full = store_.find(SolveLevel::full, s);
       if (!full) continue;
       bent += full->bent;
+      if (ground_.spots[s].organ > 0) continue;
       if (full->travel.empty() || (full->bent && ground_.options.mode == SweepMode::exact))
         wanted.push_back(s);
     }
@@ -159,14 +175,14 @@ class Filler {
         rows_[s] = row_of(*piece, ground_.forces);
         ++solved;
       }
-      failed += rows_[s].status == VertexStatus::failed;
     }
+    for (const std::int32_t s : tissue_) failed += rows_[s].status == VertexStatus::failed;
     out_.statistics["sites_unstructured"] = solved;
     out_.statistics["sites_failed"] = failed;
     if (failed > 0)
       out_.warnings.push_back(fmt::format(
-          "{} sites did not converge, not even on a piece of the tissue mesh; they have "
-          "no curve",
+          "{} sites did not converge, not even on a piece of the tissue mesh where one can stand "
+          "in; they have no curve",
           failed));
   }
 

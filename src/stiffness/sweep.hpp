@@ -12,6 +12,7 @@
 #include "core/skull.hpp"
 #include "core/stiffness_map.hpp"
 #include "fem/published.hpp"
+#include "stiffness/carriers.hpp"
 #include "stiffness/tissue_model.hpp"
 
 namespace palpate::stiffness {
@@ -36,6 +37,7 @@ struct SweepOptions {
   TissueModel tissue;      ///< what the flesh is made of
   int loads = 10;          ///< number of equal force steps up to max_force; >= 1
   double max_force = 5;    ///< [N]
+  OrganOptions organs;     ///< what lies under eyes and nose; published mode holds them
   PublishedPress published;
   int sites = 0;  ///< points pressed in full; 0: 300 in fast mode, all in exact, 40 in published
   double error_bound = 0.03;   ///< [-] largest predicted error of a learned curve in fast mode
@@ -74,11 +76,11 @@ struct Sweep {
 /// Presses a frictionless rigid sphere along the inward normal of the working skin nearest to each
 /// point.
 /// In published mode a force on the nearest free node of the skin takes the sphere's place.
-/// Status: held in an organ's region (eye, nose, lips); no_bone on an ear, farther than 4 mm from
-/// the working skin, where no bone lies within reach or the way to it leaves the head; failed where
-/// no equilibrium was found. In published mode inverted where the recipe turns tissue inside out
-/// and unsettled where it does not come to rest, each at one force or more; a point that was not
-/// pressed takes the status of the nearest site, with method surrogate.
+/// Status: held in an organ's region (eye, nose, lips) where organs are held; no_bone on an ear,
+/// farther than 4 mm from the working skin, where no bone lies within reach or the way to it leaves
+/// the head; failed where no equilibrium was found. In published mode inverted where the recipe
+/// turns tissue inside out and unsettled where it does not come to rest, each at one force or more;
+/// a point that was not pressed takes the status of the nearest site, with method surrogate.
 /// @throws SolveError  published mode: the head cannot be meshed
 /// @throws InputError  names the option, key or file that cannot be used
 /// @throws FileError   a full disk: what the checkpoint held stays good
@@ -94,6 +96,7 @@ struct Sweep {
 /// the smoothed inward normal. Corners without a curve are left out of the mix.
 /// @param points  [mm] head frame
 [[nodiscard]] StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head,
-                                    const SkullFit& skull, const SkinPoints& points);
+                                    const SkullFit& skull, const SkinPoints& points,
+                                    const OrganOptions& organs = {});
 
 }  // namespace palpate::stiffness

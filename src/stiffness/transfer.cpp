@@ -14,10 +14,6 @@ constexpr double kOffSkin = 4;         // [mm] a point farther from the working 
 constexpr double kSamePoint = 1e-6;    // [mm] a point this near to a solved one is that point
 constexpr double kNoBoneBeyond = 1e3;  // [mm] depth is measured as far as it goes
 
-bool is_organ(SkinRegion r) {
-  return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
-}
-
 /// Rows of the map mixed with the corners' weights; corners without a curve are left out.
 void mix(const StiffnessMap& from, const Triangle& corner, const Vec3& weight, StiffnessMap& to,
          std::size_t p) {
@@ -58,11 +54,12 @@ StiffnessMap empty_map(const StiffnessMap& like, const std::vector<SkinRegion>& 
 }  // namespace
 
 StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head, const SkullFit& skull,
-                      const SkinPoints& points) {
+                      const SkinPoints& points, const OrganOptions& organs) {
   const std::vector<SkinRegion>& region = points.region;
   if (region.size() != points.position.size())
     throw InputError("transfer needs one region per point");
-  const surface::SurfaceQuery skin(head.skin), bone(skull.mesh);
+  const surface::SurfaceQuery skin(head.skin);
+  const Carriers carriers(head, skull, organs);
   const std::vector<Vec3> smooth = smoothed_normals(head.skin, map.tool_radius);
   StiffnessMap out = empty_map(map, region);
   for (std::size_t p = 0; p < region.size(); ++p) {
@@ -72,12 +69,12 @@ StiffnessMap transfer(const StiffnessMap& map, const HeadSurface& head, const Sk
     const Triangle& corner = head.skin.triangles[at.triangle];
     Vec3 normal = Vec3::Zero();
     for (int i = 0; i < 3; ++i) normal += at.barycentric[i] * smooth[corner[i]];
-    const auto hit = bone.cast(point, -normal.normalized(), kNoBoneBeyond);
+    const auto hit = carriers.query().cast(point, -normal.normalized(), kNoBoneBeyond);
 
     int nearest = 0;
     at.barycentric.maxCoeff(&nearest);
     out.status[p] = map.status[corner[nearest]];
-    if (is_organ(region[p])) out.status[p] = VertexStatus::held;
+    if (organs.organs == Organs::held && is_organ(region[p])) out.status[p] = VertexStatus::held;
     if (region[p] == SkinRegion::ear) out.status[p] = VertexStatus::no_bone;
     if (hit && out.status[p] != VertexStatus::no_bone) out.depth[p] = hit->distance;
     if (!out.has_curve(p)) continue;

@@ -144,7 +144,14 @@ MapSpread map_spread(const StiffnessMap& map, const HeadSurface& head, const Sku
   std::vector<double> stiffness(points.size(), kNan);
   for (std::size_t p = 0; p < points.size(); ++p)
     if (map.has_curve(p)) stiffness[p] = options.force / travel_at(map, p, options.force);
-  const DepthResponse response(map.depth, stiffness);
+  const auto on_organ = [&](std::size_t p) {
+    return map.has_curve(p) &&
+           (map.region[p] == SkinRegion::eye || map.region[p] == SkinRegion::nose);
+  };
+  std::vector<double> on_bone = map.depth;
+  for (std::size_t p = 0; p < points.size(); ++p)
+    if (on_organ(p)) on_bone[p] = kNan;
+  const DepthResponse response(on_bone, stiffness);
   const surface::SurfaceQuery skin(head.skin);
   MapSpread out{std::vector<double>(points.size(), kNan), std::vector<double>(points.size(), kNan)};
   for (std::size_t p = 0; p < points.size(); ++p) {
@@ -158,7 +165,7 @@ MapSpread map_spread(const StiffnessMap& map, const HeadSurface& head, const Sku
       if (std::isfinite(s)) sum += w * s, weights += w;
     }
     if (weights <= 1e-9) continue;
-    out.depth[p] = sum / weights;
+    out.depth[p] = on_organ(p) ? options.cover_sd : sum / weights;
     if (!map.has_curve(p)) continue;
     if (!(stiffness[p] > 0) || !(map.depth[p] > 0)) continue;
     const LayerSensitivity s =

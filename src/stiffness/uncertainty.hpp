@@ -9,6 +9,7 @@
 #include "core/progress.hpp"
 #include "core/skull.hpp"
 #include "core/stiffness_map.hpp"
+#include "stiffness/carriers.hpp"
 
 namespace palpate::stiffness {
 
@@ -16,7 +17,8 @@ struct SpreadOptions {
   /// [-] standard deviation of ln E between people at one place of the face: root mean square of
   /// SD / mean over the five sites of data/tissue/facial_stiffness_in_vivo.csv (28 people); >= 0
   double modulus_spread = 0.39;
-  double force = 2;            ///< [N] of the stiffness that the spread is about
+  double force = 2;                           ///< [N] of the stiffness that the spread is about
+  double cover_sd = OrganOptions{}.cover_sd;  ///< [mm] of the depth of globes and cartilage
   double no_bone_beyond = 40;  ///< [mm] a bone that left its place counts as this far
 };
 

@@ -24,7 +24,8 @@ TEST(GuessUnit, TellsHeadsAndBustsInEveryUnit) {
   EXPECT_EQ(in(1000).unit, LengthUnit::m);
   EXPECT_EQ(in(25.4).unit, LengthUnit::inch);
   EXPECT_TRUE(in(1).certain);
-  EXPECT_EQ(in(10 / 2.2).unit, LengthUnit::cm);  // 528 mm: shoulders; 1341 mm would be in inches
+  EXPECT_EQ(in(10 / 2.2).unit, LengthUnit::cm);     // 528 mm: shoulders; 1341 mm would be in inches
+  EXPECT_EQ(in(10 / 0.6).other, LengthUnit::inch);  // 144 mm in cm, 366 mm in inches
   EXPECT_THROW((void)in(1e-3), InputError);
   EXPECT_THROW((void)in(1e6), InputError);
 }

@@ -26,7 +26,9 @@ TEST(Sweep, GivesEveryPointOnTissueAnAscendingCurve) {
   scenes::Head head = scenes::head();
   head.skin.region[0] = SkinRegion::nose;
   head.skin.region[1] = SkinRegion::ear;
-  const Sweep s = sweep(head.skin, head.skull, quick());
+  SweepOptions o = quick();
+  o.organs.organs = Organs::held;
+  const Sweep s = sweep(head.skin, head.skull, o);
   EXPECT_EQ(s.map.status[0], VertexStatus::held);
   EXPECT_EQ(s.map.status[1], VertexStatus::no_bone);
   EXPECT_EQ(s.sites.size(), 16u);
@@ -59,6 +61,7 @@ TEST(Sweep, FastModeAdmitsWhereThePatchCannotFollowTheSkin) {
   const Vec3 tip = head.skin.skin.points[spike];
   SweepOptions o = quick();
   o.mode = SweepMode::fast;
+  o.organs.organs = Organs::held;
   o.loads = 1;
   const Sweep s = sweep(head.skin, head.skull, o);
   int beside = 0;

@@ -26,9 +26,10 @@ StiffnessMap linear_map(const HeadSurface& head) {
 struct Scene {
   scenes::Head head = scenes::head(3);
   StiffnessMap map = linear_map(head.skin);
-  StiffnessMap at(const std::vector<Vec3>& points, SkinRegion region = SkinRegion::cheek) const {
+  StiffnessMap at(const std::vector<Vec3>& points, SkinRegion region = SkinRegion::cheek,
+                  Organs organs = Organs::supported) const {
     return transfer(map, head.skin, head.skull,
-                    {points, std::vector<SkinRegion>(points.size(), region)});
+                    {points, std::vector<SkinRegion>(points.size(), region)}, {organs});
   }
   Vec3 middle(int triangle) const {
     const Triangle& t = head.skin.skin.triangles[triangle];
@@ -74,7 +75,8 @@ TEST(Transfer, LeavesOutCornersWithoutACurve) {
 
 TEST(Transfer, OrgansEarsAndPointsOffTheSkinHaveNoCurve) {
   const Scene s;
-  EXPECT_EQ(s.at({s.middle(3)}, SkinRegion::lips).status[0], VertexStatus::held);
+  EXPECT_EQ(s.at({s.middle(3)}, SkinRegion::lips, Organs::held).status[0], VertexStatus::held);
+  EXPECT_EQ(s.at({s.middle(3)}, SkinRegion::lips).status[0], VertexStatus::blended);
   EXPECT_EQ(s.at({s.middle(3)}, SkinRegion::ear).status[0], VertexStatus::no_bone);
   EXPECT_EQ(s.at({1.2 * s.middle(3)}).status[0], VertexStatus::no_bone);
   EXPECT_TRUE(s.at({}).status.empty());
