@@ -128,6 +128,9 @@ void run_fit(Command& c, const FitOutputs& outputs) {
     if (d.reached)
       text += fmt::format("{:<12} depth {:5.1f} mm, published {:5.1f}\n", d.code, d.depth_mm,
                           d.published_mm);
+  if (const auto jaw = skull.statistics.find("jaw_opening_deg"); jaw != skull.statistics.end())
+    text += fmt::format("jaw opened by {:.1f} degrees (SD {:.1f})\n", jaw->second,
+                        skull.statistics.at("jaw_opening_sd_deg"));
   std::vector<std::string> warnings = start.located.detection.warnings;
   warnings.insert(warnings.end(), skull.warnings.begin(), skull.warnings.end());
   write_skull(c, start, skull, warnings);

@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// The default fit: similarity, then affine, then a stiff spline volume, each by Gauss-Newton.
+// The default fit: similarity, then affine, then a stiff spline volume, each by Gauss-Newton
+// together with the jaw's pose.
 #pragma once
 #include <Eigen/Dense>
 
@@ -8,21 +9,9 @@
 #include "registration/place.hpp"
 #include "skull/depth_terms.hpp"
 #include "skull/fit.hpp"
-#include "skull/spline_lattice.hpp"
+#include "skull/skull_map.hpp"
 
 namespace palpate::skull {
-
-/// x -> linear * (x + u(x)) + translation with u the lattice's field; template [mm] to head [mm].
-struct SkullMap {
-  Mat3 linear = Mat3::Identity();
-  Vec3 translation = Vec3::Zero();
-  SplineLattice lattice;
-  Eigen::MatrixX3d control;  ///< [mm] one row per control point, template frame
-
-  [[nodiscard]] Vec3 operator()(const Vec3& x) const;
-  /// d map / d x.
-  [[nodiscard]] Mat3 gradient(const Vec3& x) const;
-};
 
 struct DepthFit {
   SkullMap map;
@@ -31,8 +20,8 @@ struct DepthFit {
   double bending_used = 0;        ///< [mm] after stiffening, if any was needed
   double least_jacobian = 0;      ///< [-] of the spline map (1 at rest) over the template's points
   Eigen::MatrixXd information{};  ///< [1/mm^2] second derivatives of the energy at the end (Gauss-
-                                  ///< Newton); rows as in spline_stiffness. Its inverse is the
-                                  ///< covariance of the control points
+                                  ///< Newton); rows as in spline_stiffness, then the jaw's pose
+                                  ///< (1/rad^2, 1/mm^2, 1/mm^2). Its inverse is their covariance
 };
 
 /// The part of the energy that holds the spline: bending/2 * (sum u^T K u + asymmetry * the same of

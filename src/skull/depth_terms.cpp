@@ -7,6 +7,7 @@
 #include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 
 #include "registration/place.hpp"
 
@@ -34,6 +35,27 @@ FitPoint registration_point(const Vec3& rest, const Landmark& target, const Vec3
   p.target = target.position;
   p.precision = std::clamp(target.confidence, 0.0, 1.0) / (sd * sd) * axes;
   return p;
+}
+
+/// Landmarks of the chin's lower border. Their depth is measured along the bone's normal, as a
+/// probe measures it: the shortest way out of a jaw that lies too high leads through the lips and
+/// says nothing of how far the chin is.
+constexpr std::array<const char*, 2> kBorder = {"gn", "me"};
+/// [mm] how far their skin is looked for, and the least cosine of the way to the skin's normal.
+constexpr double kBorderReach = 60;
+constexpr double kBorderFacing = 0.4;
+
+/// Depth of a landmark of the border and where it grows fastest; nothing where the way out meets no
+/// scanned skin, or grazes it.
+std::optional<SkinDepth> border_depth(const Vec3& p, const Vec3& outward, const SkinField& skin) {
+  if (outward.isZero()) return std::nullopt;
+  const auto exit = skin.exit(p, outward, kBorderReach);
+  if (!exit || exit->normal.dot(outward) < kBorderFacing) return std::nullopt;
+  SkinDepth d;
+  d.depth = exit->length;
+  d.gradient = -exit->normal / exit->normal.dot(outward);
+  d.known = true;
+  return d;
 }
 
 using Cell = std::array<int, 3>;
@@ -101,6 +123,8 @@ std::vector<FitPoint> make_fit_points(const HeadSurface& head, const SkullTempla
     p.mean = l.mean;
     p.sd = l.sd;
     p.weight = o.landmark_weight;
+    if (std::find(kBorder.begin(), kBorder.end(), l.code) != kBorder.end())
+      p.normal = skull.landmarks.at(l.code).normal;
     points.push_back(p);
   }
   for (const registration::PointPair& pair : registration::shared_pairs(head, skull))
@@ -120,9 +144,16 @@ Standing standing(const std::vector<FitPoint>& points, const std::vector<Vec3>& 
                   const std::vector<Vec3>& normals, const SkinField& skin,
                   const FitOptions& options) {
   Standing s{std::vector<std::uint8_t>(points.size(), 0),
-             std::vector<std::uint8_t>(points.size(), 0)};
+             std::vector<std::uint8_t>(points.size(), 0),
+             std::vector<Vec3>(points.size(), Vec3::Zero())};
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
     if (points[i].kind == FitPoint::Kind::registration) return;
+    if (points[i].kind == FitPoint::Kind::landmark && skin.depth(positions[i]) > 0 &&
+        border_depth(positions[i], normals[i], skin)) {
+      s.outward[i] = normals[i];
+      s.drawn[i] = 1;
+      return;
+    }
     const SkinDepth d = skin.at(positions[i]);
     const bool facing = points[i].kind == FitPoint::Kind::landmark ||
                         normals[i].dot(-d.gradient) > options.depth.facing;
@@ -140,7 +171,9 @@ Linearisation linearise(const std::vector<FitPoint>& points, const std::vector<V
   const double limit_stiffness = 1 / (o.limit_sd * o.limit_sd);
   std::vector<SkinDepth> depth(points.size());
   tbb::parallel_for(std::size_t{0}, points.size(), [&](std::size_t i) {
-    if (standing.drawn[i] || standing.limited[i]) depth[i] = skin.at(positions[i]);
+    if (!standing.drawn[i] && !standing.limited[i]) return;
+    const auto along = border_depth(positions[i], standing.outward[i], skin);
+    depth[i] = along ? *along : skin.at(positions[i]);
   });
   Linearisation out;
   for (std::size_t i = 0; i < points.size(); ++i) {

@@ -15,7 +15,7 @@ struct FitPoint {
   enum class Kind : std::uint8_t { bone, landmark, registration };
   Kind kind = Kind::bone;
   Vec3 rest = Vec3::Zero();    ///< [mm] template
-  Vec3 normal = Vec3::Zero();  ///< [-] template; bone only
+  Vec3 normal = Vec3::Zero();  ///< [-] template; bone, and landmarks of the jaw's lower border
   double mean = 0;             ///< [mm] expected depth
   double sd = 1;               ///< [mm] its spread
   double weight = 0;  ///< [-] independent observations that the point stands for; 0: limits only
@@ -51,6 +51,8 @@ struct Linearisation {
 struct Standing {
   std::vector<std::uint8_t> drawn;    ///< scanned or completed skin is nearest, and bone faces it
   std::vector<std::uint8_t> limited;  ///< the scan does not end here
+  std::vector<Vec3>
+      outward;  ///< [-] head: the way along which depth is measured; zero: the shortest
 };
 /// @param normals  [-] of the points, head frame
 [[nodiscard]] Standing standing(const std::vector<FitPoint>& points,

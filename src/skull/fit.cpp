@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 #include <type_traits>
 
 #include "core/error.hpp"
@@ -154,6 +155,18 @@ void clear_the_skin(SkullFit& fit, const SkinField& skin, const FitOptions& opti
         static_cast<double>(report.remaining));
 }
 
+/// How the jaw stands, with the doubt of that; nothing where the template's has no pose.
+void set_pose(SkullFit& fit, const DepthFit& solved) {
+  if (!solved.map.jaw.present) return;
+  constexpr double kDegrees = 180 / std::numbers::pi;
+  const Eigen::Index n = solved.information.rows();
+  const Eigen::VectorXd column = solved.information.llt().solve(Eigen::VectorXd::Unit(n, n - 3));
+  fit.statistics["jaw_opening_deg"] = kDegrees * solved.map.pose.opening;
+  fit.statistics["jaw_opening_sd_deg"] = kDegrees * std::sqrt(column[n - 3]);
+  fit.statistics["jaw_advance_mm"] = solved.map.pose.advance;
+  fit.statistics["jaw_shift_mm"] = solved.map.pose.shift;
+}
+
 SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const SkinField& skin,
                    const std::vector<TissueDepth>& table, const FitOptions& options,
                    const Progress& progress) {
@@ -184,6 +197,7 @@ SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const Sk
   fit.statistics["energy"] = solved.energy;
   fit.statistics["bending_per_mm"] = solved.bending_used;
   fit.statistics["least_jacobian"] = solved.least_jacobian;
+  set_pose(fit, solved);
   return fit;
 }
 

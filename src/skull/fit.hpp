@@ -44,6 +44,7 @@ struct DepthFitOptions {
   /// [mm] spread of skin that was completed from another head against the person's own
   /// (HeadSurface::filled == 2), on top of the table's spread of depth below it
   double completed_sd = 6;
+  bool jaw_pose = true;          ///< the jaw may stand open; false: an open mouth is a shape
   double facing = 0.3;           ///< [-] least cosine between bone normal and direction to the skin
   double huber = 2;              ///< [sd] beyond which a misfit pulls no harder
   double limit_margin = 0.3;     ///< [mm] on top of the clearance while fitting

@@ -21,7 +21,8 @@ bool behind_a_cap(const registration::ScanEnds& ends, const Vec3& p) {
 SkinField::SkinField(const HeadSurface& head)
     : query_(head.skin), ends_(registration::find_scan_ends(head)) {
   for (const Triangle& t : head.skin.triangles) {
-    bool off = false, no_scan = false, cap = true, any_cap = false, closed = false, other = false;
+    bool filled = false, off = false, no_scan = false, cap = true, any_cap = false, closed = false,
+         other = false;
     for (const std::int32_t v : t) {
       const auto i = static_cast<std::size_t>(v);
       off = off || (i < head.region.size() && stands_off(head.region[i]));
@@ -29,9 +30,14 @@ SkinField::SkinField(const HeadSurface& head)
       cap = cap && ends_.cap[i];
       any_cap = any_cap || ends_.cap[i];
       closed = closed || (i < head.filled.size() && head.filled[i] == 1);
+      filled = filled || (i < head.filled.size() && head.filled[i] != 0);
       other = other || (i < head.filled.size() && head.filled[i] == 2);
     }
+    const auto& points = head.skin.points;
+    normal_.push_back(
+        (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).stableNormalized());
     cap_.push_back(cap);
+    scanned_.push_back(!filled && !any_cap);
     unknown_.push_back(no_scan || off);
     completed_.push_back(other && !off && !any_cap && !closed);
   }
@@ -47,6 +53,12 @@ SkinDepth SkinField::at(const Vec3& p) const {
   d.known = !unknown_[near.triangle] && !d.open;
   d.completed = completed_[near.triangle] && !d.open;
   return d;
+}
+
+std::optional<SkinExit> SkinField::exit(const Vec3& p, const Vec3& direction, double reach) const {
+  const auto hit = query_.cast(p, direction, reach);
+  if (!hit || !scanned_[hit->triangle]) return std::nullopt;
+  return SkinExit{hit->distance, normal_[hit->triangle]};
 }
 
 }  // namespace palpate::skull

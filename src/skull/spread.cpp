@@ -46,14 +46,15 @@ double field_at(const std::vector<Wave>& waves, const Vec3& x) {
 }
 
 /// Variance [mm^2] of the map along the way to the skin at each point: a^T H^-1 a with a the
-/// point's shares of the control points times the way. Points of one lattice cell share their 192
-/// rows.
+/// point's shares of the control points, and its motion with the jaw's pose, times the way. Points
+/// of one lattice cell share their 195 rows.
 std::vector<double> map_variance(const Eigen::LLT<Eigen::MatrixXd>& factor, const SkullMap& map,
                                  const std::vector<SplineWeights>& weights,
+                                 const std::vector<JawMotion>& motion,
                                  const std::vector<SkinDepth>& depth) {
   const int controls = map.lattice.size();
   constexpr Eigen::Index kBlock = 128;  // columns that one task solves for, whatever the threads
-  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(3 * controls, 3 * controls);
+  Eigen::MatrixXd covariance = Eigen::MatrixXd::Identity(3 * controls + 3, 3 * controls + 3);
   tbb::parallel_for(Eigen::Index{0}, (covariance.cols() + kBlock - 1) / kBlock, [&](auto b) {
     auto columns =
         covariance.middleCols(b * kBlock, std::min(kBlock, covariance.cols() - b * kBlock));
@@ -67,14 +68,18 @@ std::vector<double> map_variance(const Eigen::LLT<Eigen::MatrixXd>& factor, cons
   tbb::parallel_for(std::size_t{0}, all.size(), [&](std::size_t cell) {
     const std::vector<std::size_t>& members = *all[cell];
     const auto& control = weights[members.front()].control;
-    Eigen::MatrixXd block(192, 192), along(192, members.size());
-    for (int q = 0; q < 192; ++q)
-      for (int r = 0; r < 192; ++r)
-        block(r, q) =
-            covariance(r / 64 * controls + control[r % 64], q / 64 * controls + control[q % 64]);
+    const auto place = [&](int q) {
+      return q < 192 ? q / 64 * controls + control[q % 64] : 3 * controls + q - 192;
+    };
+    Eigen::MatrixXd block(195, 195), along(195, members.size());
+    for (int q = 0; q < 195; ++q)
+      for (int r = 0; r < 195; ++r) block(r, q) = covariance(place(r), place(q));
     for (std::size_t i = 0; i < members.size(); ++i) {
-      const Vec3 way = map.linear.transpose() * depth[members[i]].gradient;
-      for (int r = 0; r < 192; ++r) along(r, i) = weights[members[i]].share[r % 64] * way[r / 64];
+      const std::size_t v = members[i];
+      const Vec3 inner = map.linear.transpose() * depth[v].gradient;
+      const Vec3 way = motion[v].turn.transpose() * inner;
+      for (int r = 0; r < 192; ++r) along(r, i) = weights[v].share[r % 64] * way[r / 64];
+      along.col(i).tail<3>() = motion[v].by_pose.transpose() * inner;
     }
     const Eigen::MatrixXd spread = block * along;
     for (std::size_t i = 0; i < members.size(); ++i)
@@ -93,10 +98,15 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
     throw SolveError("the fit's uncertainty could not be computed: its Hessian is not definite");
   const std::size_t n = fitted.size();
   std::vector<SplineWeights> weights;
-  for (const Vec3& p : skull.mesh.points) weights.push_back(solved.map.lattice.weights(p));
+  std::vector<JawMotion> motion;
+  for (const Vec3& p : skull.mesh.points) {
+    weights.push_back(solved.map.lattice.weights(p));
+    motion.push_back(move_jaw(solved.map.jaw, solved.map.pose, solved.map.shaped(p, weights.back()),
+                              solved.map.jaw.weight(p)));
+  }
   std::vector<SkinDepth> depth(n);
   tbb::parallel_for(std::size_t{0}, n, [&](std::size_t v) { depth[v] = skin.at(fitted[v]); });
-  const std::vector<double> of_map = map_variance(factor, solved.map, weights, depth);
+  const std::vector<double> of_map = map_variance(factor, solved.map, weights, motion, depth);
   std::vector<double> own(n);  // what the map does not show of the table's whole spread
   SkullSpread out{std::vector<double>(n), {}};
   for (std::size_t v = 0; v < n; ++v) {
@@ -105,11 +115,12 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
     own[v] = std::sqrt(std::max(0.0, whole * whole - of_map[v]));
     out.deviation[v] = std::hypot(std::sqrt(of_map[v]), own[v]);
   }
-  Normals normal(options.seed);
+  Normals normal(options.seed), of_jaw(~options.seed);
   const int controls = solved.map.lattice.size();
   for (int k = 0; k < options.draws; ++k) {
-    Eigen::VectorXd z(3 * controls);
-    for (double& x : z) x = normal();
+    Eigen::VectorXd z(3 * controls + 3);
+    for (double& x : z.head(3 * controls)) x = normal();
+    for (double& x : z.tail<3>()) x = of_jaw();
     const Eigen::VectorXd step = factor.matrixU().solve(z);
     const Eigen::Map<const Eigen::MatrixX3d> control(step.data(), controls, 3);
     std::vector<Wave> waves(kWaves);
@@ -122,7 +133,9 @@ SkullSpread draw_spread(const SkullTemplate& skull, const std::vector<Vec3>& fit
       Vec3 u = Vec3::Zero();
       for (int c = 0; c < 64; ++c)
         u += weights[v].share[c] * control.row(weights[v].control[c]).transpose();
-      const Vec3 moved = solved.map.linear * u, &inward = depth[v].gradient;
+      const Vec3 moved =
+          solved.map.linear * (motion[v].turn * u + motion[v].by_pose * step.tail<3>());
+      const Vec3& inward = depth[v].gradient;
       const double along = inward.dot(moved);
       const double up = std::min(0.0, options.least_depth - depth[v].depth);  // as far as it may go
       const double wanted = along + own[v] * field_at(waves, skull.mesh.points[v]);

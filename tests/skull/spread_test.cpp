@@ -22,7 +22,7 @@ struct Scene {
   explicit Scene(double information) {
     const int n = solved.map.lattice.size();
     solved.map.control = Eigen::MatrixX3d::Zero(n, 3);
-    solved.information = information * Eigen::MatrixXd::Identity(3 * n, 3 * n);
+    solved.information = information * Eigen::MatrixXd::Identity(3 * n + 3, 3 * n + 3);
   }
 };
 
