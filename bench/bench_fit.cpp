@@ -134,7 +134,7 @@ void measure(const std::string& path, const Wishes& wishes) {
   const Progress silent;
   app::PipelineOptions options;
   app::StageClock clock(silent);
-  const auto scan = app::prepare_scan(path, options, silent, clock);
+  auto scan = app::prepare_scan(path, options, silent, clock);
   const auto located = app::locate_head(scan, options, silent, clock);
   const SkullFit fitted = app::make_skull(located, options, silent, clock);
   const auto& s = fitted.statistics;

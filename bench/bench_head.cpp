@@ -120,7 +120,7 @@ int main(int argc, char** argv) {
   options.sweep.mode = SweepMode::exact;
   options.sweep.tool_radius = wishes.radius;
   app::StageClock clock(silent);
-  const auto scan = app::prepare_scan(wishes.head, options, silent, clock);
+  auto scan = app::prepare_scan(wishes.head, options, silent, clock);
   const auto located = app::locate_head(scan, options, silent, clock);
   const SkullFit skull = app::make_skull(located, options, silent, clock);
   const Ground ground(located.head, skull, {located.points, located.region}, options.sweep, silent);
