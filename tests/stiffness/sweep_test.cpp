@@ -43,7 +43,7 @@ TEST(Sweep, GivesEveryPointOnTissueAnAscendingCurve) {
   for (const auto p : s.sites) EXPECT_EQ(s.map.status[p], VertexStatus::solved);
   // What is known before anything is pressed is what the map says afterwards.
   const StiffnessMap before =
-      survey(head.skin, head.skull, {head.skin.skin.points, head.skin.region}, quick());
+      survey(head.skin, head.skull, {head.skin.skin.points, head.skin.region}, o);
   ASSERT_EQ(before.depth.size(), s.map.size());
   EXPECT_TRUE(before.forces.empty());
   for (std::size_t p = 0; p < s.map.size(); ++p) {
