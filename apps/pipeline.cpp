@@ -231,7 +231,7 @@ std::vector<double> depth_below(const LocatedHead& located, const SkullFit& skul
     return stiffness::survey(head, skull, points, options.sweep, progress).depth;
   const StiffnessMap coarse =
       stiffness::survey(head, skull, {head.skin.points, head.region}, options.sweep, progress);
-  return stiffness::transfer(coarse, head, skull, points).depth;
+  return stiffness::transfer(coarse, head, skull, points, options.sweep.organs).depth;
 }
 
 MappedHead make_map(const LocatedHead& located, const SkullFit& skull,

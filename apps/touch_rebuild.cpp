@@ -42,6 +42,8 @@ constexpr Option kOptions[] = {
     {"preset", "--preset"},
     {"mode", "--mode"},
     {"published_reach_mm", "--reach"},
+    {"organs", "--organs"},
+    {"organ_give_mm_per_n", "--organ-give"},
     {"loads", "--loads"},
     {"max_force_n", "--max-force"},
     {"sites", "--sites"},
@@ -50,8 +52,8 @@ constexpr Option kOptions[] = {
     {"seed", "--seed"},
 };
 /// What `--preset published` sets itself and refuses beside it.
-constexpr std::string_view kFixedByPublished[] = {"mode", "error_bound", "tool_radius_mm",
-                                                  "modulus_spread"};
+constexpr std::string_view kFixedByPublished[] = {
+    "mode", "error_bound", "tool_radius_mm", "modulus_spread", "organs", "organ_give_mm_per_n"};
 
 json recorded_options(const json& provenance) {
   return provenance.is_object() && provenance.contains("options") &&
