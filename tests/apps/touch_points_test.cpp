@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 // Landmarks moved over the page's socket, as `palpate view` keeps and fits them.
+#include <fmt/format.h>
 #include <gtest/gtest.h>
 #include <signal.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <chrono>
 #include <cstdio>
@@ -130,7 +132,11 @@ std::optional<Vec3> fixed_point(const fs::path& file, const std::string& name, d
 
 class TouchPoints : public testing::Test {
  protected:
-  fs::path folder_ = fs::path(testing::TempDir()) / "palpate touch points";
+  // Of this test and process alone: tests run side by side.
+  fs::path folder_ =
+      fs::path(testing::TempDir()) /
+      fmt::format("palpate touch points {} {}",
+                  testing::UnitTest::GetInstance()->current_test_info()->name(), getpid());
   fs::path head_file_ = folder_ / "head.glb", points_ = folder_ / "head.landmarks.txt";
   TouchableHead head_ = serve::real_head(fs::path(PALPATE_SOURCE_DIR) / "data/head.ply");
   void SetUp() override {
