@@ -32,7 +32,7 @@ static std::vector<Page::Tile> key_figures(const TouchableHead& head,
                                        : 0;
   tiles.push_back({fixed(share, 0) + " %", "of " + grouped(head.map.size()) + " vertices felt",
                    with_curve > 0});
-  const double error = median(head.map.error);
+  const double error = median(errors_on_bone(head.map));
   if (std::isfinite(error))
     tiles.push_back({fixed(100 * error, 1) + " %", "blending error, median", true});
   const DepthAgreement a = depth_agreement(head.depths);

@@ -180,9 +180,10 @@ void add_coverage(Page& page, const TouchableHead& head, const HeadPictures& pic
   page.table(t);
 
   std::vector<double> percent;
-  for (std::size_t v = 0; v < head.map.size(); ++v)
-    if (head.map.status[v] == VertexStatus::blended && std::isfinite(head.map.error[v]))
-      percent.push_back(100 * head.map.error[v]);
+  const std::vector<double> error = errors_on_bone(head.map);
+  for (std::size_t v = 0; v < error.size(); ++v)
+    if (head.map.status[v] == VertexStatus::blended && std::isfinite(error[v]))
+      percent.push_back(100 * error[v]);
   if (percent.empty()) return;
   page.subsection("Estimated error of blending");
   const double p95 = quantile(percent, 0.95), p99 = quantile(percent, 0.99);

@@ -61,6 +61,18 @@ double median(std::vector<double> values) {
   return quantile(std::move(values), 0.5);
 }
 
+bool stands_on_organ(const StiffnessMap& map, std::size_t vertex) {
+  const SkinRegion r = map.region[vertex];
+  return map.has_curve(vertex) && (r == SkinRegion::eye || r == SkinRegion::nose);
+}
+
+std::vector<double> errors_on_bone(const StiffnessMap& map) {
+  std::vector<double> error = map.error;
+  for (std::size_t v = 0; v < error.size(); ++v)
+    if (stands_on_organ(map, v)) error[v] = std::numeric_limits<double>::quiet_NaN();
+  return error;
+}
+
 double travel_at(const StiffnessMap& map, std::size_t vertex, double force) {
   if (!map.has_curve(vertex)) return kNan;
   const auto u = map.curve(vertex);

@@ -47,14 +47,9 @@ void judge_curves(Judge& out, const StiffnessMap& map) {
   out.say(solved > 0, fmt::format("{:.0f} % of the vertices carry a force-travel curve: {} solved "
                                   "in full, {} blended from their neighbours.",
                                   100 * share, grouped(solved), grouped(blended)));
-  std::vector<double> error = map.error;
   std::size_t on_organs = 0;
-  for (std::size_t v = 0; v < map.size(); ++v)
-    if (map.has_curve(v) &&
-        (map.region[v] == SkinRegion::eye || map.region[v] == SkinRegion::nose)) {
-      error[v] = std::numeric_limits<double>::quiet_NaN();
-      ++on_organs;
-    }
+  for (std::size_t v = 0; v < map.size(); ++v) on_organs += stands_on_organ(map, v);
+  const std::vector<double> error = errors_on_bone(map);
   const double p95 = quantile(error, 0.95);
   if (std::isfinite(p95))
     out.say(p95 <= kBlendingError,
