@@ -64,14 +64,19 @@ SurfaceMesh eye(const HeadSurface& head, double side, const OrganOptions& o) {
   return globe({middle.x(), middle.y(), front}, o.globe_radius);
 }
 
-/// The nose's skin moved inwards by its cover, but where bone lies in front of that.
+/// The nose's skin and one ring around it moved inwards by the cover, but where bone lies in front
+/// of that. Without the ring rays from the nose's border would slip past the sheet's.
 SurfaceMesh cartilage(const HeadSurface& head, const surface::SurfaceQuery& bone,
                       const OrganOptions& o) {
   const std::vector<Vec3> normal = smoothed_normals(head.skin, kNoseEven);
   std::vector<std::int32_t> number(head.skin.points.size(), -1);
   SurfaceMesh m;
+  std::vector<std::uint8_t> wanted(number.size(), 0);
+  for (const auto& [a, b, c] : head.skin.triangles)
+    for (const std::int32_t v : {a, b, c})
+      if (head.region[v] == SkinRegion::nose) wanted[a] = wanted[b] = wanted[c] = 1;
   for (std::size_t p = 0; p < number.size(); ++p) {
-    if (head.region[p] != SkinRegion::nose) continue;
+    if (!wanted[p]) continue;
     const Vec3& at = head.skin.points[p];
     if (bone.cast(at, -normal[p], o.nose_cover)) continue;
     number[p] = static_cast<std::int32_t>(m.points.size());

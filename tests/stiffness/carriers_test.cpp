@@ -6,6 +6,7 @@
 #include <cmath>
 
 #include "scenes.hpp"
+#include "stiffness/site_features.hpp"
 #include "stiffness/sweep.hpp"
 
 namespace palpate::stiffness {
@@ -75,6 +76,18 @@ TEST(Carriers, CartilageLiesUnderTheNosesCoverUnlessBoneIsNearer) {
   o.organs = Organs::held;
   EXPECT_EQ(depth(), bone);
   EXPECT_LT(bone, 30);
+}
+
+TEST(Carriers, NoRayFromTheNoseSlipsPastTheCartilagesBorder) {
+  const scenes::Head h = head_with(SkinRegion::nose, kTip);
+  const OrganOptions o;
+  const Carriers carriers(h.skin, h.skull, o);
+  const std::vector<Vec3> normal = smoothed_normals(h.skin.skin, 8);
+  for (std::size_t p = 0; p < normal.size(); ++p)
+    if (h.skin.region[p] == SkinRegion::nose) {
+      const auto hit = carriers.query().cast(h.skin.skin.points[p], -normal[p], 60);
+      EXPECT_LT(hit->distance, 1.1 * o.nose_cover) << h.skin.skin.points[p].transpose();
+    }
 }
 
 TEST(Carriers, SharesTellOrganFromBone) {
