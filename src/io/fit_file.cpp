@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "io/fit_file.hpp"
 
-#include <cmath>
-
 #include "core/atomic_file.hpp"
 #include "core/error.hpp"
 #include "io/glb_writer.hpp"
@@ -12,33 +10,9 @@ namespace {
 
 using nlohmann::ordered_json;
 
-std::vector<float> floats(const std::vector<Vec3>& points) {
-  std::vector<float> out;
-  out.reserve(3 * points.size());
-  for (const Vec3& p : points)
-    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(p[k]));
-  return out;
-}
-
-std::vector<float> unit_normals(const SurfaceMesh& mesh) {
-  std::vector<Vec3> normals = vertex_normals(mesh);
-  for (Vec3& n : normals)
-    if (!(n.squaredNorm() > 0.5)) n = Vec3::UnitZ();  // a vertex that no triangle uses
-  return floats(normals);
-}
-
-std::vector<std::uint32_t> corners(const SurfaceMesh& mesh) {
-  std::vector<std::uint32_t> out;
-  out.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (const std::int32_t c : t) out.push_back(static_cast<std::uint32_t>(c));
-  return out;
-}
-
 ordered_json skin_attributes(GlbWriter& glb, const FittedSkull& fit) {
   std::vector<float> depth, region;
-  for (const double d : fit.depth)
-    depth.push_back(std::isfinite(d) ? static_cast<float>(d) : -1.0f);
+  for (const double d : fit.depth) depth.push_back(glb_or_missing(d));
   for (const SkinRegion r : fit.region) region.push_back(static_cast<float>(r));
   return {{"_DEPTH", glb.add_floats(depth, 1)}, {"_REGION", glb.add_floats(region, 1)}};
 }
@@ -58,10 +32,10 @@ void write_fit(const std::filesystem::path& path, const FittedSkull& fit) {
   if (fit.depth.size() != fit.region.size())
     throw InputError("the depths have not one region each");
   GlbWriter glb;
-  const ordered_json bone = {{"POSITION", glb.add_floats(floats(fit.skull.points), 3, true)},
-                             {"NORMAL", glb.add_floats(unit_normals(fit.skull), 3)}};
+  const ordered_json bone = {{"POSITION", glb.add_floats(glb_vectors(fit.skull.points), 3, true)},
+                             {"NORMAL", glb.add_floats(glb_normals(fit.skull), 3)}};
   const ordered_json skull = {{"attributes", bone},
-                              {"indices", glb.add_indices(corners(fit.skull))}};
+                              {"indices", glb.add_indices(glb_corners(fit.skull))}};
   const ordered_json skin = {{"attributes", skin_attributes(glb, fit)}};
   ordered_json document;
   document["asset"] = {{"version", "2.0"}, {"generator", "palpate"}};

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 #include "core/error.hpp"
@@ -97,6 +98,33 @@ std::string join_glb(const json& document, std::string_view binary) {
   out.append("BIN\0", 4);
   out += binary;
   return out;
+}
+
+std::vector<float> glb_vectors(const std::vector<Vec3>& vectors) {
+  std::vector<float> out;
+  out.reserve(3 * vectors.size());
+  for (const Vec3& v : vectors)
+    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(v[k]));
+  return out;
+}
+
+std::vector<float> glb_normals(const SurfaceMesh& mesh) {
+  std::vector<Vec3> normals = vertex_normals(mesh);
+  for (Vec3& n : normals)
+    if (!(n.squaredNorm() > 0.5)) n = Vec3::UnitZ();
+  return glb_vectors(normals);
+}
+
+std::vector<std::uint32_t> glb_corners(const SurfaceMesh& mesh) {
+  std::vector<std::uint32_t> out;
+  out.reserve(3 * mesh.triangles.size());
+  for (const Triangle& t : mesh.triangles)
+    for (const std::int32_t c : t) out.push_back(static_cast<std::uint32_t>(c));
+  return out;
+}
+
+float glb_or_missing(double value) {
+  return std::isfinite(value) ? static_cast<float>(value) : -1.0f;
 }
 
 }  // namespace palpate::io

@@ -6,11 +6,22 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <vector>
+
+#include "core/surface_mesh.hpp"
 
 namespace palpate::io {
 
 /// A GLB of a JSON chunk and a binary chunk, whose size is a multiple of 4.
 [[nodiscard]] std::string join_glb(const nlohmann::ordered_json& document, std::string_view binary);
+
+/// Three numbers a vector, as add_floats() takes them; one beyond a float's range becomes infinite.
+[[nodiscard]] std::vector<float> glb_vectors(const std::vector<Vec3>& vectors);
+/// glTF demands unit normals everywhere, also at vertices that no triangle uses: +z there.
+[[nodiscard]] std::vector<float> glb_normals(const SurfaceMesh& mesh);
+[[nodiscard]] std::vector<std::uint32_t> glb_corners(const SurfaceMesh& mesh);
+/// NaN, which glTF forbids, becomes -1.
+[[nodiscard]] float glb_or_missing(double value);
 
 class GlbWriter {
  public:

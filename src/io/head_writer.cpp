@@ -59,38 +59,11 @@ void check_map(const TouchableHead& head) {
 }
 
 std::vector<float> float_points(const std::vector<Vec3>& points) {
-  std::vector<float> out;
-  out.reserve(3 * points.size());
-  for (const Vec3& p : points)
-    for (int k = 0; k < 3; ++k) {
-      out.push_back(static_cast<float>(p[k]));
-      if (!std::isfinite(out.back())) refuse(fmt::format("a coordinate {} is too large", p[k]));
-    }
+  std::vector<float> out = glb_vectors(points);
+  for (std::size_t i = 0; i < out.size(); ++i)
+    if (!std::isfinite(out[i]))
+      refuse(fmt::format("a coordinate {} is too large", points[i / 3][static_cast<int>(i % 3)]));
   return out;
-}
-
-/// glTF demands unit normals everywhere, also at vertices that no triangle uses.
-std::vector<float> float_normals(const SurfaceMesh& mesh) {
-  std::vector<float> out;
-  out.reserve(3 * mesh.points.size());
-  for (const Vec3& n : vertex_normals(mesh)) {
-    const Vec3 unit = n.squaredNorm() > 0.5 ? n : Vec3::UnitZ();
-    for (int k = 0; k < 3; ++k) out.push_back(static_cast<float>(unit[k]));
-  }
-  return out;
-}
-
-std::vector<std::uint32_t> corner_indices(const SurfaceMesh& mesh) {
-  std::vector<std::uint32_t> out;
-  out.reserve(3 * mesh.triangles.size());
-  for (const Triangle& t : mesh.triangles)
-    for (const std::int32_t c : t) out.push_back(static_cast<std::uint32_t>(c));
-  return out;
-}
-
-/// NaN, which glTF forbids, becomes -1.
-float or_missing(double value) {
-  return std::isfinite(value) ? static_cast<float>(value) : -1.0f;
 }
 
 template <typename Values, typename Function>
@@ -105,7 +78,7 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
   const StiffnessMap& map = head.map;
   json attributes;
   attributes["POSITION"] = glb.add_floats(float_points(head.skin.points), 3, true);
-  attributes["NORMAL"] = glb.add_floats(float_normals(head.skin), 3);
+  attributes["NORMAL"] = glb.add_floats(glb_normals(head.skin), 3);
   std::vector<std::uint8_t> rgba;
   rgba.reserve(4 * map.size());
   for (const Rgb& colour : colours.colour) {
@@ -115,14 +88,14 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
   }
   attributes["COLOR_0"] = glb.add_colours(rgba);
   const auto code = [](auto v) { return static_cast<float>(static_cast<int>(v)); };
-  attributes["_DEPTH"] = glb.add_floats(floats(map.depth, or_missing), 1);
-  attributes["_ERROR"] = glb.add_floats(floats(map.error, or_missing), 1);
+  attributes["_DEPTH"] = glb.add_floats(floats(map.depth, glb_or_missing), 1);
+  attributes["_ERROR"] = glb.add_floats(floats(map.error, glb_or_missing), 1);
   attributes["_STATUS"] = glb.add_floats(floats(map.status, code), 1);
   attributes["_REGION"] = glb.add_floats(floats(map.region, code), 1);
   if (!map.method.empty()) attributes["_METHOD"] = glb.add_floats(floats(map.method, code), 1);
   if (!head.spread.empty()) {
-    attributes["_DEPTH_SD"] = glb.add_floats(floats(head.spread.depth, or_missing), 1);
-    attributes["_STIFFNESS_SD"] = glb.add_floats(floats(head.spread.stiffness, or_missing), 1);
+    attributes["_DEPTH_SD"] = glb.add_floats(floats(head.spread.depth, glb_or_missing), 1);
+    attributes["_STIFFNESS_SD"] = glb.add_floats(floats(head.spread.stiffness, glb_or_missing), 1);
   }
   if (!head.completed.empty())
     attributes["_COMPLETED"] = glb.add_floats(floats(head.completed, code), 1);
@@ -157,7 +130,7 @@ json skin_attributes(GlbWriter& glb, const TouchableHead& head, const StiffnessC
 
 json primitive(GlbWriter& glb, const json& attributes, const SurfaceMesh& mesh, int material) {
   return {{"attributes", attributes},
-          {"indices", glb.add_indices(corner_indices(mesh))},
+          {"indices", glb.add_indices(glb_corners(mesh))},
           {"material", material}};
 }
 
@@ -244,11 +217,11 @@ std::string head_bytes(const TouchableHead& head) {
   if (!head.skull.empty()) {
     json bone;
     bone["POSITION"] = glb.add_floats(float_points(head.skull.points), 3, true);
-    bone["NORMAL"] = glb.add_floats(float_normals(head.skull), 3);
+    bone["NORMAL"] = glb.add_floats(glb_normals(head.skull), 3);
     bone["_REGION"] = glb.add_floats(
         floats(head.skull_region, [](SkullRegion r) { return static_cast<float>(r); }), 1);
     if (!head.skull_spread.empty())
-      bone["_DEPTH_SD"] = glb.add_floats(floats(head.skull_spread, or_missing), 1);
+      bone["_DEPTH_SD"] = glb.add_floats(floats(head.skull_spread, glb_or_missing), 1);
     meshes.push_back(
         {{"name", "skull"}, {"primitives", json::array({primitive(glb, bone, head.skull, 1)})}});
     nodes.push_back(node("skull", 1, head.frame, 1.0));

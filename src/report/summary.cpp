@@ -9,6 +9,7 @@
 #include <limits>
 
 #include "core/error.hpp"
+#include "core/organs.hpp"
 #include "report/figures_of_map.hpp"
 
 namespace palpate::report {
@@ -62,8 +63,7 @@ double median(std::vector<double> values) {
 }
 
 bool stands_on_organ(const StiffnessMap& map, std::size_t vertex) {
-  const SkinRegion r = map.region[vertex];
-  return map.has_curve(vertex) && (r == SkinRegion::eye || r == SkinRegion::nose);
+  return map.has_curve(vertex) && lies_on_organ(map.region[vertex]);
 }
 
 std::vector<double> errors_on_bone(const StiffnessMap& map) {

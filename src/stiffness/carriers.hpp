@@ -3,6 +3,7 @@
 // the nose. Lips lie on the teeth, which the skull has.
 #pragma once
 #include "core/head_surface.hpp"
+#include "core/organs.hpp"
 #include "core/skull.hpp"
 #include "surface/query.hpp"
 
@@ -22,10 +23,6 @@ struct OrganOptions {
   double give = 1;
   double give_error = 0.5;  ///< [-] of the travel, where the body carries all
 };
-
-[[nodiscard]] constexpr bool is_organ(SkinRegion r) {
-  return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
-}
 
 /// Bone and organs as one body for rays from the skin. Re-entrant.
 class Carriers {

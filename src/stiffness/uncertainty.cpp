@@ -6,6 +6,7 @@
 // d ln k = -d ln delta = -(2 + chi') d ln x - 2 d ln h.
 // Limits: deep tissue (x -> 0) chi = 1, kappa = 2/3, both flat: Hertz, k ~ E^(2/3), free of h.
 #include "stiffness/uncertainty.hpp"
+#include "core/organs.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -145,8 +146,7 @@ MapSpread map_spread(const StiffnessMap& map, const HeadSurface& head, const Sku
   for (std::size_t p = 0; p < points.size(); ++p)
     if (map.has_curve(p)) stiffness[p] = options.force / travel_at(map, p, options.force);
   const auto on_organ = [&](std::size_t p) {
-    return map.has_curve(p) &&
-           (map.region[p] == SkinRegion::eye || map.region[p] == SkinRegion::nose);
+    return map.has_curve(p) && lies_on_organ(map.region[p]);
   };
   std::vector<double> on_bone = map.depth;
   for (std::size_t p = 0; p < points.size(); ++p)

@@ -9,6 +9,7 @@
 #include <array>
 #include <cmath>
 
+#include "core/organs.hpp"
 #include "surface/query.hpp"
 #include "tetmesh/process.hpp"
 #include "tetmesh/seeds.hpp"
@@ -117,10 +118,6 @@ std::vector<TissueLabel> labels(const std::vector<int>& numbers) {
   return out;
 }
 
-bool organ(SkinRegion r) {
-  return r == SkinRegion::eye || r == SkinRegion::nose || r == SkinRegion::lips;
-}
-
 void hold(TissueMesh& mesh, const HeadSurface& head, const surface::SurfaceQuery& bone,
           double no_bone_beyond) {
   mesh.held.assign(mesh.nodes.size(), 0);
@@ -130,7 +127,7 @@ void hold(TissueMesh& mesh, const HeadSurface& head, const surface::SurfaceQuery
   const auto normals = vertex_normals(head.skin);
   double organs = 0, boneless = 0;
   for (std::size_t i = 0; i < head.skin.points.size(); ++i) {
-    const bool carried = !head.region.empty() && organ(head.region[i]);
+    const bool carried = !head.region.empty() && is_organ(head.region[i]);
     const bool far = normals[i].isZero() ||
                      !bone.cast(head.skin.points[i], -normals[i], no_bone_beyond).has_value();
     organs += carried;
