@@ -160,6 +160,7 @@ LocatedHead locate_head(PreparedScan& scan, const PipelineOptions& options,
   head.skin = transformed(completed ? completed->skin : scan.working.mesh, frame.rotation,
                           -(frame.rotation * frame.origin));
   head.filled = completed ? completed->filled : scan.working.filled;
+  head.mouth_opening = located.detection.mouth_opening;
   for (const auto& [name, mark] : located.detection.landmarks)
     head.landmarks[name] = {frame.to_head(mark.position), mark.confidence};
   head.region =

@@ -51,6 +51,20 @@ def rotation(rng):
                      [2 * (x * z - y * w), 2 * (y * z + x * w), 1 - 2 * (x * x + y * y)]])
 
 
+def enclosed(points, ball=12, deep=2, cell=1.5):
+    """Which points [mm] of a bone's surface lie more than `deep` inside what a ball of radius `ball` rolling over it leaves free."""
+    from scipy import ndimage
+    low = points.min(axis=0) - 2 * ball
+    shape = np.ceil((points.max(axis=0) + 2 * ball - low) / cell).astype(int)
+    at = ((points - low) / cell).astype(int)
+    bone = np.zeros(shape, bool)
+    bone[tuple(at.T)] = True
+    centre = ndimage.distance_transform_edt(~bone, sampling=cell) >= ball  # where the ball fits
+    part, _ = ndimage.label(centre)
+    swept = ndimage.distance_transform_edt(part != part[0, 0, 0], sampling=cell)
+    return swept[tuple(at.T)] > ball + deep
+
+
 def swapped(name):
     """The name that a point has on a mirrored head."""
     side = {'left': 'right', 'right': 'left'}

@@ -15,6 +15,8 @@ struct HeadSurface {
   std::vector<std::uint8_t> filled;  ///< one per point: 0 scan, 1 closed hole, 2 completed head
   LandmarkSet landmarks;             ///< head frame, [mm]
   std::vector<SkinRegion> region;    ///< one per point
+  /// [rad] how far the mouth seems to be open, from the skin alone; 0: shut, as far as one sees
+  double mouth_opening = 0;
 };
 
 }  // namespace palpate

@@ -302,7 +302,7 @@ CompletedFace complete_face(const SurfaceMesh& face, const std::vector<std::uint
   const Skin skin(whole);
   const FaceSearch own = search_face(skin, {}, progress);
   std::vector<std::string> unused;
-  verify_face(skin, own, false, unused);
+  verify_face(skin, own, {}, false, unused);
   SurfaceMesh head = whole;
   carry(head.points, own.pose, pose);
   // Once more by what both show: where the face leaves its head open, it does so for both.

@@ -113,9 +113,10 @@ static FoundFace find(const SurfaceMesh& mesh, const DetectOptions& options,
   const FaceSearch found = search_face(skin, options.given, progress);
   FoundFace result;
   Detection& detection = result.detection;
-  result.alone = verify_face(skin, found, face_alone_will_do, detection.warnings);
+  result.alone = verify_face(skin, found, options.given, face_alone_will_do, detection.warnings);
 
   detection.frame = frame_of(found.pose);
+  detection.mouth_opening = FaceModel::kOpeningAngle * found.pose.shape[FaceModel::kOpening];
   if (options.method == Method::published) {
     detection.landmarks = published_landmarks(skin, detection.frame);
     compare(detection.landmarks, robust_landmarks(skin, found.pose, detection.frame, options.scan),

@@ -24,6 +24,8 @@ struct DetectOptions {
 struct Detection {
   HeadFrame frame;        ///< scan [mm] -> head frame
   LandmarkSet landmarks;  ///< scan frame, [mm]
+  double mouth_opening =
+      0;  ///< [rad] of the jaw, good to some 5 degrees; 0 where the mouth is shut
   std::vector<std::string> warnings;
 };
 

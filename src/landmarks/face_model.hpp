@@ -13,9 +13,13 @@ namespace palpate::landmarks {
 
 /// Head frame, [mm], origin midway between the outer eye corners, adult mean size. A shape is
 /// mean + sum_k c_k mode_k with c_k of unit standard deviation in the population. The right half is
-/// the mirror image of the left, so every shape is symmetric.
+/// the mirror image of the left, so every shape is symmetric. The last mode is no shape but a pose:
+/// the way to an open mouth, 0 closed, 1 a chin turned down by 19 degrees.
 struct FaceModel {
-  static constexpr int kModes = 16;  ///< hold 94 % of the variance of 500 random heads
+  static constexpr int kShapes = 16;        ///< hold 94 % of the variance of 500 random heads
+  static constexpr int kOpening = kShapes;  ///< the mode that opens the mouth
+  static constexpr int kModes = kShapes + 1;
+  static constexpr double kOpeningAngle = 0.337;  ///< [rad] of the jaw, for a kOpening of 1
   using Modes = std::array<Vec3, kModes>;
   using Coefficients = std::array<double, kModes>;
 

@@ -16,7 +16,7 @@ struct FacePose {
   Mat3 rotation = Mat3::Identity();
   Vec3 translation = Vec3::Zero();  ///< [mm]
   double scale = 1;                 ///< [-] size against the mean adult
-  FaceModel::Coefficients shape{};  ///< [SD]
+  FaceModel::Coefficients shape{};  ///< [SD], and how far the mouth is open
 
   [[nodiscard]] Vec3 to_scan(const Vec3& model) const {
     return scale * (rotation * model) + translation;
@@ -46,7 +46,8 @@ using Pins = std::map<std::string, Vec3>;
 struct FitSchedule {
   int iterations = 10;
   int stride = 1;           ///< every n-th pair of model points is used
-  bool with_shape = false;  ///< solve for the modes as well
+  bool with_shape = false;  ///< solve for the modes as well, but for the mouth's
+  bool with_mouth = false;  ///< and for that
   bool with_scale = true;
   double tolerance_mm = 4.0;  ///< [mm] distance at which a point's weight has dropped to a quarter
   double reach_mm = 1e9;      ///< [mm] a model point with no surface this near has no say

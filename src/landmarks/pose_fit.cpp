@@ -21,8 +21,10 @@ using Matrix = Eigen::Matrix<double, kUnknowns, kUnknowns>;
 using Vector = Eigen::Matrix<double, kUnknowns, 1>;
 using Rows = Eigen::Matrix<double, 3, kUnknowns>;
 
-constexpr double kSideways = 0.3;       // [-] weight of sliding against leaving the surface
-constexpr double kPrior = 12;           // [mm^2 per SD^2]: 0.4 mm rms over the about 300 points
+constexpr double kSideways = 0.3;  // [-] weight of sliding against leaving the surface
+constexpr double kPrior = 12;      // [mm^2 per SD^2]: 0.4 mm rms over the about 300 points
+constexpr int kMouth = 7 + FaceModel::kOpening;
+constexpr double kWidestMouth = 1.7;    // [-] 33 degrees (Ferrario et al. 2005)
 constexpr double kScalePrior = 4000;    // [mm^2]: a size 10 % off the mean costs 40 mm^2
 constexpr double kPinWeight = 60;       // [-] a user's point counts as much as 60 surface points
 constexpr double kLikeDirection = 0.2;  // [-] cosine below which a point faces elsewhere
@@ -32,6 +34,7 @@ Matrix system_diagonal(const FitSchedule& schedule) {
   a.diagonal().setConstant(1e-6);
   a(6, 6) = schedule.with_scale ? kScalePrior : 1e12;
   for (int k = 7; k < kUnknowns; ++k) a(k, k) = schedule.with_shape ? kPrior : 1e12;
+  if (!schedule.with_mouth) a(kMouth, kMouth) = 1e12;
   return a;
 }
 
@@ -94,6 +97,7 @@ void apply(FacePose& pose, const Vector& step, const Vec3& origin) {
   for (int k = 0; k < FaceModel::kModes; ++k) {
     pose.shape[k] = std::clamp(pose.shape[k] + step[7 + k], -3.0, 3.0);
   }
+  pose.shape[FaceModel::kOpening] = std::clamp(pose.shape[FaceModel::kOpening], 0.0, kWidestMouth);
 }
 
 }  // namespace
@@ -122,7 +126,9 @@ FacePose fit_pose(const Skin& skin, FacePose pose, const FitSchedule& schedule, 
       b.noalias() -= weighted.transpose() * (m.q - m.s);
     }
     add_pins(pose, pins, origin, a, b);
-    apply(pose, a.ldlt().solve(b), origin);
+    Vector step = a.ldlt().solve(b);
+    if (!schedule.with_mouth) step[kMouth] = 0;  // not even by the rounding of a stiff spring
+    apply(pose, step, origin);
   }
   return pose;
 }

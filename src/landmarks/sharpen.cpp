@@ -6,36 +6,66 @@
 #include <vector>
 
 namespace palpate::landmarks {
+namespace {
+
+struct Cell {
+  double x, y, z;  // [mm]
+};
+struct Cap {
+  Cell top{0, 0, 0};
+  double x = 0, y = 0;  // [mm] middle, weighted by height
+  double weight = 0;    // [mm] sum of the heights above the cap's rim
+  int cells = 0;        // of the cap that lie around its top
+};
+
+Cap cap_of(const std::vector<Cell>& cells) {
+  constexpr double kDepth = 0.5, kAround = 4;  // [mm]
+  Cap cap;
+  cap.top = *std::max_element(cells.begin(), cells.end(),
+                              [](const Cell& a, const Cell& b) { return a.z < b.z; });
+  for (const Cell& cell : cells) {
+    const double w = std::max(0.0, cell.z - (cap.top.z - kDepth));
+    cap.weight += w;
+    cap.x += w * cell.x;
+    cap.y += w * cell.y;
+    cap.cells += w > 0 && std::hypot(cell.x - cap.top.x, cell.y - cap.top.y) < kAround;
+  }
+  cap.x /= cap.weight;
+  cap.y /= cap.weight;
+  return cap;
+}
+
+}  // namespace
 
 // The tip is the middle of the cap that stands out most along the head's z. Landmark sets disagree
 // on where a hanging or bulbous tip has its point, by 4 mm along the nose's ridge; the foremost
 // place lies between (measured: 5 degrees more or less of pitch moves it by 0.6 mm). The cap's
-// depth averages over facets and noise where the tip is nearly flat.
+// depth averages over facets and noise where the tip is nearly flat. A cap that comes to a point is
+// a bad point of the scan: what that lifted is left out, and the next cap is taken.
 Vec3 sharpen_nose_tip(const Relief& relief, const Vec3& guess) {
-  constexpr double kReach = 9;       // [mm] of the guess; the model's error is 6 mm at most
-  constexpr double kCapDepth = 0.5;  // [mm]
-  const int c0 = static_cast<int>(std::lround((guess.x() - relief.left) / relief.step));
-  const int r0 = static_cast<int>(std::lround((guess.y() - relief.low) / relief.step));
-  const int reach = static_cast<int>(kReach / relief.step);
-  double top = -1e9;
-  const auto visit = [&](auto&& use) {
-    for (int r = std::max(0, r0 - reach); r <= std::min(relief.rows - 1, r0 + reach); ++r) {
-      for (int c = std::max(0, c0 - reach); c <= std::min(relief.columns - 1, c0 + reach); ++c) {
-        if (std::hypot(c - c0, r - r0) <= reach && std::isfinite(relief.at(c, r))) use(c, r);
-      }
+  constexpr double kUpDown = 9;  // [mm] of the guess; the model's error is 6 mm at most
+  constexpr double kAcross = 5;  // [mm] the same from side to side, where it is symmetric
+  constexpr double kBlunt = 6;   // [mm^2] a cap of 2 mm radius: no tip is sharper
+  constexpr double kFoot = 4.5;  // [mm] around a spike
+  constexpr int kMostSpikes = 3;
+  std::vector<Cell> cells;
+  for (int r = 0; r < relief.rows; ++r)
+    for (int c = 0; c < relief.columns; ++c) {
+      const Cell cell{relief.x(c), relief.y(r), relief.at(c, r)};
+      const double across = (cell.x - guess.x()) / kAcross, up = (cell.y - guess.y()) / kUpDown;
+      if (std::hypot(across, up) <= 1 && std::isfinite(cell.z)) cells.push_back(cell);
     }
-  };
-  visit([&](int c, int r) { top = std::max(top, relief.at(c, r)); });
-  double weight = 0, x = 0, y = 0;
-  visit([&](int c, int r) {
-    const double w = std::max(0.0, relief.at(c, r) - (top - kCapDepth));
-    weight += w;
-    x += w * relief.x(c);
-    y += w * relief.y(r);
-  });
-  if (weight <= 0) return guess;
-  const double z = relief.height(x / weight, y / weight);
-  return std::isfinite(z) ? Vec3(x / weight, y / weight, z) : guess;
+  if (cells.empty()) return guess;
+  Cap cap = cap_of(cells);
+  for (int spikes = 0; cap.cells * relief.step * relief.step < kBlunt; ++spikes) {
+    std::erase_if(cells, [&](const Cell& cell) {
+      return std::hypot(cell.x - cap.top.x, cell.y - cap.top.y) < kFoot;
+    });
+    if (cells.empty() || spikes == kMostSpikes) return guess;
+    cap = cap_of(cells);
+  }
+  const double z = relief.height(cap.x, cap.y);
+  return std::isfinite(z) ? Vec3(cap.x, cap.y, z) : guess;
 }
 
 namespace {
@@ -91,6 +121,19 @@ std::vector<WingRow> without_spikes(const std::vector<WingRow>& rows, int reach)
   return calm;
 }
 
+// The height at a place, but not that of a spike: no more than 3 mm off the median of the heights
+// within 4 mm above and below.
+double height_on_wall(const Relief& relief, double x, double y) {
+  constexpr double kUpDown = 4, kMost = 3;  // [mm]
+  std::vector<double> heights;
+  for (double at = y - kUpDown; at <= y + kUpDown; at += relief.step)
+    if (const double z = relief.height(x, at); std::isfinite(z)) heights.push_back(z);
+  if (heights.empty()) return relief.height(x, y);
+  const auto middle = heights.begin() + static_cast<std::ptrdiff_t>(heights.size() / 2);
+  std::nth_element(heights.begin(), middle, heights.end());
+  return std::clamp(relief.height(x, y), *middle - kMost, *middle + kMost);
+}
+
 }  // namespace
 
 // The wing's wall stands between the steepest place and the crease; the corner is half way, at the
@@ -123,7 +166,8 @@ Vec3 sharpen_nose_corner(const Relief& relief, const Vec3& guess) {
     y += w * row.y;
   }
   if (weight <= 0) return guess;
-  const Vec3 corner(side * x / weight, y / weight, relief.height(side * x / weight, y / weight));
+  const Vec3 corner(side * x / weight, y / weight,
+                    height_on_wall(relief, side * x / weight, y / weight));
   // Farther off than the guess ever errs, it is not the wing that was found.
   constexpr double kTrust = 6;  // [mm]; on good scans the two lie 0.2 to 3 mm apart
   const double apart = std::hypot(corner.x() - guess.x(), corner.y() - guess.y());

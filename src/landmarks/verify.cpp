@@ -13,10 +13,11 @@ namespace palpate::landmarks {
 namespace {
 
 constexpr double kWorstOutliers = 0.15;  // [-] share of outliers among eyes, brows and nose
-constexpr double kWorstCore = 2.5;  // [mm] heads cost up to 2.0 there, other bumps 2.9 and more
-constexpr double kWorstCost = 5.0;  // [mm] of the whole; heads up to 3.9, wrong places from 5.2
-constexpr double kShortest = 65;    // [mm] behind the eyes, of a mean head; a mask ends at 50
-constexpr double kWhole = 115;      // [mm] the same of a whole head: adults have 140
+constexpr double kWorstCore = 2.5;   // [mm] heads cost up to 2.0 there, other bumps 2.9 and more
+constexpr double kWorstCost = 5.0;   // [mm] of the whole; heads up to 3.9, wrong places from 5.2
+constexpr double kWorstLower = 1.9;  // [mm] shut mouths cost up to 1.3, most open ones up to 1.8
+constexpr double kShortest = 65;     // [mm] behind the eyes, of a mean head; a mask ends at 50
+constexpr double kWhole = 115;       // [mm] the same of a whole head: adults have 140
 
 // Median distance from behind the nose's root to the skin at the back, for a mean-sized head [mm].
 double depth_of_head(const Skin& skin, const FacePose& pose) {
@@ -35,16 +36,16 @@ double depth_of_head(const Skin& skin, const FacePose& pose) {
 
 }  // namespace
 
-bool verify_face(const Skin& skin, const FaceSearch& found, bool face_alone_will_do,
-                 std::vector<std::string>& warnings) {
+bool verify_face(const Skin& skin, const FaceSearch& found, const Pins& given,
+                 bool face_alone_will_do, std::vector<std::string>& warnings) {
   const FaceFit& fit = found.fit;
   if (fit.core.outliers > kWorstOutliers || fit.core.cost() > kWorstCore ||
       fit.cost() > kWorstCost) {
     throw InputError(fmt::format(
         "no face found: looked for a nose between two eyes under a brow in every pose; the best "
-        "match is {:.1f} mm off with {:.0f} % of its points elsewhere; if it is a head, name its "
-        "nose tip",
-        fit.core.mean_distance, 100 * fit.core.outliers));
+        "match is {:.1f} mm off with {:.0f} % of its points elsewhere; if it is a head, {}",
+        fit.core.mean_distance, 100 * fit.core.outliers,
+        given.empty() ? "name its nose tip" : "check the points that were given"));
   }
   const double depth = depth_of_head(skin, found.pose);
   const bool face_alone = depth < kShortest;
@@ -62,6 +63,11 @@ bool verify_face(const Skin& skin, const FaceSearch& found, bool face_alone_will
   }
   if (!fit.has_lower_face()) {
     warnings.push_back("the scan ends above the chin: points that it does not show are left out");
+  } else if (fit.lower.cost() > kWorstLower) {
+    warnings.push_back(
+        fmt::format("mouth and chin are {:.1f} mm off every face that is known (a beard, a hand, a "
+                    "mouth wide open?); check the chin",
+                    fit.lower.mean_distance));
   }
   if (found.rival.cost() < fit.cost() + 1) {
     warnings.push_back("a second place looks almost as much like a face; check the landmarks");

@@ -8,11 +8,12 @@
 
 namespace palpate::landmarks {
 
+/// @param given  the user's points: a refusal asks to check them, or for a nose tip
 /// @param face_alone_will_do  a whole face, chin included, needs no head behind it
 /// @return whether it is such a face alone
 /// @throws InputError  one line: what was looked for and what was found instead
-bool verify_face(const Skin& skin, const FaceSearch& found, bool face_alone_will_do,
-                 std::vector<std::string>& warnings);
+bool verify_face(const Skin& skin, const FaceSearch& found, const Pins& given,
+                 bool face_alone_will_do, std::vector<std::string>& warnings);
 
 /// [-] 0 to 1 from the misfit of the model points near the named one: 1 - misfit / 6 mm, where a
 /// point that faces elsewhere counts as 6 mm.

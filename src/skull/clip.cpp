@@ -4,11 +4,13 @@
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Polygon_mesh_processing/clip.h>
 #include <CGAL/Polygon_mesh_processing/connected_components.h>
+#include <CGAL/Polygon_mesh_processing/corefinement.h>
 #include <CGAL/Polygon_mesh_processing/measure.h>
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -52,12 +54,14 @@ SurfaceMesh from_cgal(Mesh& mesh) {
 }
 
 /// The cut's own triangles come long and thin: they and their neighbours are remeshed.
-void remesh_cut(Mesh& mesh, const registration::CutPlane& plane, double edge) {
+/// @param height  of a point above the tool, [mm]; about 0 on the cut
+template <class Height>
+void remesh_cut(Mesh& mesh, const Height& height, double edge) {
   std::vector<Mesh::Face_index> cut;
   for (const auto f : mesh.faces())
     for (const auto v : mesh.vertices_around_face(mesh.halfedge(f))) {
       const auto& p = mesh.point(v);
-      if (std::abs(plane.normal.dot(Vec3(p.x(), p.y(), p.z())) - plane.offset) > kOnPlane) continue;
+      if (std::abs(height(Vec3(p.x(), p.y(), p.z()))) > kOnPlane) continue;
       cut.push_back(f);
       break;
     }
@@ -121,13 +125,41 @@ Clipped clip_closed(const SurfaceMesh& mesh, const std::vector<registration::Cut
     } catch (const pmp::Corefinement::Self_intersection_exception&) {
       throw SolveError("the fitted skull intersects itself where the scan ends");
     }
-    remesh_cut(work, plane, edge);
+    remesh_cut(
+        work, [&](const Vec3& p) { return n.dot(p) - plane.offset; }, edge);
   }
   drop_splinters(work);
   if (work.number_of_faces() == 0) throw SolveError("no bone is left within the scan");
   Clipped out;
   out.removed_mm3 = before - pmp::volume(work);
   out.mesh = from_cgal(work);
+  out.origin = nearest_points(out.mesh, mesh);
+  return out;
+}
+
+Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge) {
+  Mesh work = to_cgal(mesh), away = to_cgal(tool), rest;
+  const double before = pmp::volume(work);
+  bool whole = false;
+  try {
+    whole = pmp::corefine_and_compute_difference(work, away, rest,
+                                                 pmp::parameters::throw_on_self_intersection(true));
+  } catch (const pmp::Corefinement::Self_intersection_exception&) {
+  }
+  if (!whole) throw SolveError("the template skull intersects itself between its teeth");
+  const auto height = [&](const Vec3& p) {
+    double most = -std::numeric_limits<double>::infinity();
+    for (const Triangle& t : tool.triangles) {
+      const Vec3& a = tool.points[t[0]];
+      const Vec3 n = (tool.points[t[1]] - a).cross(tool.points[t[2]] - a).normalized();
+      most = std::max(most, n.dot(p - a));
+    }
+    return most;
+  };
+  remesh_cut(rest, height, edge);
+  Clipped out;
+  out.removed_mm3 = before - pmp::volume(rest);
+  out.mesh = from_cgal(rest);
   out.origin = nearest_points(out.mesh, mesh);
   return out;
 }

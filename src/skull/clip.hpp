@@ -1,5 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-// Cutting the closed skull where the scan ends. The only file that uses CGAL here.
+// Cutting the closed skull: where the scan ends, and between its teeth. The only file that uses
+// CGAL here.
 #pragma once
 #include <cstddef>
 #include <vector>
@@ -20,6 +21,11 @@ struct Clipped {
 /// @throws SolveError  the mesh intersects itself at a cut, or nothing is left
 [[nodiscard]] Clipped clip_closed(const SurfaceMesh& mesh,
                                   const std::vector<registration::CutPlane>& planes, double edge);
+
+/// What of the mesh lies outside a convex tool; the cut is closed with triangles of `edge` [mm].
+/// @param tool  closed, oriented outwards, convex
+/// @throws SolveError  the mesh intersects itself at the cut
+[[nodiscard]] Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge);
 
 /// Pairs of triangles that intersect without sharing a corner.
 [[nodiscard]] std::size_t count_self_intersections(const SurfaceMesh& mesh);

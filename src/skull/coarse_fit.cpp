@@ -179,8 +179,9 @@ FaceHeight find_face_height(const SkullTemplate& skull, const Jaw& jaw) {
   return height;
 }
 
-CoarseFit solve_coarse(const FitProblem& problem, const registration::Placement& start) {
-  CoarseFit fit{start.linear, start.translation, {}, 1, 0};
+CoarseFit solve_coarse(const FitProblem& problem, const registration::Placement& start,
+                       double opening) {
+  CoarseFit fit{start.linear, start.translation, {opening, 0, 0}, 1, 0};
   solve_similarity(problem, fit);
   fit.scale = std::cbrt(fit.linear.determinant());
   solve_affine(problem, fit);

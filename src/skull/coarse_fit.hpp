@@ -48,8 +48,9 @@ struct CoarseFit {
 };
 
 /// Similarity, then affine, each by Gauss-Newton together with the jaw's pose.
+/// @param opening  [rad] of the jaw to begin with
 [[nodiscard]] CoarseFit solve_coarse(const FitProblem& problem,
-                                     const registration::Placement& start);
+                                     const registration::Placement& start, double opening = 0);
 
 /// Largest distance between points of the same number, [mm].
 [[nodiscard]] double largest_motion(const std::vector<Vec3>& a, const std::vector<Vec3>& b);

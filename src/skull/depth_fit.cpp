@@ -287,13 +287,19 @@ Eigen::MatrixXd spline_stiffness(const SplineLattice& lattice, const DepthFitOpt
 
 DepthFit solve_depth_fit(const SkullTemplate& skull, const std::vector<FitPoint>& points,
                          const SkinField& skin, const registration::Placement& start,
-                         const FitOptions& options, const Progress& progress) {
+                         double mouth_opening, const FitOptions& options,
+                         const Progress& progress) {
   const Jaw jaw = options.depth.jaw_pose ? find_jaw(skull) : Jaw{};
   FitProblem problem{points, skin, options, jaw, kClosedJaw, {}, find_face_height(skull, jaw)};
   for (const FitPoint& p : points) problem.weight.push_back(jaw.weight(p.rest));
   progress.step("fit", 0.05);
   problem.prior = kOpenJaw;
-  const CoarseFit coarse = solve_coarse(problem, start);
+  const CoarseFit coarse = solve_coarse(problem, start, jaw.present ? mouth_opening : 0);
+  if (jaw.present && mouth_opening > 0) {
+    DepthFit open = fit_spline(problem, skull, coarse, progress);
+    open.mouth_open = true;
+    if (!folds(open)) return open;
+  }
   const bool suspect = coarse.pose.opening > kSuspect;
   problem.prior = kClosedJaw;
   // Only between two explanations are the face's height and the way along the chin's normals asked:
@@ -307,7 +313,10 @@ DepthFit solve_depth_fit(const SkullTemplate& skull, const std::vector<FitPoint>
   if (suspect) {
     problem.prior = kOpenJaw;
     DepthFit open = fit_spline(problem, skull, coarse, progress);
-    if (!folds(open) && (folds(closed) || open.energy + kOpenMargin < closed.energy)) return open;
+    if (!folds(open) && (folds(closed) || open.energy + kOpenMargin < closed.energy)) {
+      open.mouth_open = true;
+      return open;
+    }
   }
   if (!folds(closed)) return closed;
   throw SolveError("the skull could not be fitted without folding: check the landmarks",

@@ -15,6 +15,7 @@ namespace palpate::skull {
 
 struct DepthFit {
   SkullMap map;
+  bool mouth_open = false;        ///< the jaw's pose is that of an open mouth
   int iterations = 0;             ///< Gauss-Newton steps of all stages
   double energy = 0;              ///< [-] at the end
   double bending_used = 0;        ///< [mm] after stiffening, if any was needed
@@ -30,10 +31,12 @@ struct DepthFit {
 [[nodiscard]] Eigen::MatrixXd spline_stiffness(const SplineLattice& lattice,
                                                const DepthFitOptions& options);
 
+/// @param mouth_opening  [rad] where the skin shows an open mouth: the jaw is then looked for open,
+///                       from there. 0: both ways are tried where the bone suggests it
 /// @throws InputError  fewer than three registration points
 [[nodiscard]] DepthFit solve_depth_fit(const SkullTemplate& skull,
                                        const std::vector<FitPoint>& points, const SkinField& skin,
-                                       const registration::Placement& start,
+                                       const registration::Placement& start, double mouth_opening,
                                        const FitOptions& options, const Progress& progress);
 
 }  // namespace palpate::skull

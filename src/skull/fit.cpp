@@ -167,13 +167,20 @@ void set_pose(SkullFit& fit, const DepthFit& solved) {
   fit.statistics["jaw_shift_mm"] = solved.map.pose.shift;
 }
 
-SkullFit fit_depth(const HeadSurface& head, const SkullTemplate& skull, const SkinField& skin,
+SkullFit fit_depth(const HeadSurface& head, SkullTemplate skull, const SkinField& skin,
                    const std::vector<TissueDepth>& table, const FitOptions& options,
                    const Progress& progress) {
   const registration::Placement start = registration::place_similarity(head, skull);
-  const DepthModel model = make_depth_model(skull, table);
+  DepthModel model = make_depth_model(skull, table);
   const std::vector<FitPoint> points = make_fit_points(head, skull, model, options);
-  const DepthFit solved = solve_depth_fit(skull, points, skin, start, options, progress);
+  DepthFit solved =
+      solve_depth_fit(skull, points, skin, start, head.mouth_opening, options, progress);
+  if (solved.mouth_open) {
+    PartedTeeth parted = part_teeth(skull, solved.map.jaw);
+    skull = std::move(parted.skull);
+    solved.map.jaw = parted.jaw;
+    model = make_depth_model(skull, table);
+  }
   SkullFit fit;
   fit.mesh = skull.mesh;
   for (Vec3& p : fit.mesh.points) p = solved.map(p);

@@ -7,6 +7,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "skull/clip.hpp"
+
 namespace palpate::skull {
 namespace {
 
@@ -23,6 +25,10 @@ constexpr double kRamusMiddle = 0.55;
 constexpr double kRamusShare = 0.23;
 /// [-] of the way from the second molars back to the gonia: over which the band rises.
 constexpr double kRise = 0.45;
+
+constexpr double kSlot = 1;       ///< [mm] half of the slot's height between parted teeth
+constexpr double kSlotEnd = 0.5;  ///< [-] of the rise: how far back the slot goes
+constexpr double kSlotEdge = 3;   ///< [mm] its triangles: the template's own
 
 /// Cubic step and its derivative at t.
 struct Step {
@@ -97,6 +103,28 @@ Jaw find_jaw(const SkullTemplate& skull) {
   jaw.ramus = molar.z() - kRise * (molar.z() - gonia.z());
   jaw.present = front.z() > molar.z() && jaw.bite_half > 0 && ramus > 0 && jaw.ramus < jaw.molar;
   return jaw;
+}
+
+PartedTeeth part_teeth(const SkullTemplate& skull, const Jaw& jaw) {
+  // A slab along the bite, its corners numbered by sides: 1 left, 2 above, 4 in front.
+  const Box box = bounding_box(skull.mesh.points);
+  const double back = jaw.molar - kSlotEnd * (jaw.molar - jaw.ramus), front = box.high.z() + 10;
+  SurfaceMesh slab;
+  for (int k = 0; k < 8; ++k) {
+    const double z = k & 4 ? front : back;
+    slab.points.emplace_back(
+        k & 1 ? box.high.x() + 10 : box.low.x() - 10,
+        jaw.bite_height + jaw.bite_slope * (z - jaw.molar) + (k & 2 ? kSlot : -kSlot), z);
+  }
+  slab.triangles = {{0, 2, 3}, {0, 3, 1}, {4, 5, 7}, {4, 7, 6}, {0, 1, 5}, {0, 5, 4},
+                    {2, 6, 7}, {2, 7, 3}, {0, 4, 6}, {0, 6, 2}, {1, 3, 7}, {1, 7, 5}};
+  Clipped cut = carve(skull.mesh, slab, kSlotEdge);
+  PartedTeeth parted{skull, jaw};
+  parted.skull.mesh = std::move(cut.mesh);
+  parted.skull.region.clear();
+  for (const std::int32_t i : cut.origin) parted.skull.region.push_back(skull.region[i]);
+  parted.jaw.bite_half = kSlot;
+  return parted;
 }
 
 JawMotion move_jaw(const Jaw& jaw, const JawPose& pose, const Vec3& place, double weight) {

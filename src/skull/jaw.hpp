@@ -55,6 +55,16 @@ struct Jaw {
   [[nodiscard]] Vec3 weight_gradient(const Vec3& x) const;  ///< [1/mm]
 };
 
+/// A skull whose teeth are parted, and where its jaw parts from it.
+struct PartedTeeth {
+  SkullTemplate skull;
+  Jaw jaw;  ///< the same motion above and below the slot; the band through the bite is as narrow
+};
+/// Cuts a slot of 2 mm through the bite, from the front to behind the second molars, so that no
+/// curtain of bone stands between the teeth of an open mouth. The ramus stays whole.
+/// @throws SolveError  the template intersects itself there
+[[nodiscard]] PartedTeeth part_teeth(const SkullTemplate& skull, const Jaw& jaw);
+
 /// From the template's landmarks (po, go, pr, id, sM2, iM2) and regions jaw and chin. Not present
 /// where one is missing: such a skull has no pose.
 [[nodiscard]] Jaw find_jaw(const SkullTemplate& skull);

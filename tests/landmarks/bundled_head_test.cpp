@@ -3,13 +3,13 @@
 
 #include <numbers>
 
+#include "../skull/opening.hpp"
 #include "core/error.hpp"
 #include "heads.hpp"
 
 namespace palpate::landmarks {
 namespace {
 
-constexpr double kDegree = std::numbers::pi / 180;
 constexpr double kWorst = 4;  // [mm]
 
 TEST(BundledHead, PointsLieWhereTheModelHasThem) {
@@ -50,6 +50,34 @@ TEST(BundledHead, AnyPoseGivesTheSamePoints) {
     const Vec3 shift(300, -40, 1000);
     const Detection found = detect_landmarks(transformed(head.skin, turn, shift));
     EXPECT_LT(largest_error(found, head.truth, turn, shift), kWorst);
+  }
+}
+
+// The chin goes along, and nothing else: how far it went is the jaw's opening. This skin has no
+// slit between its lips: opened further than 20 degrees it is like no face, and the chin must be
+// given.
+TEST(BundledHead, OpenMouthTakesTheChinAlong) {
+  const KnownHead& head = bundled_head();
+  const Detection shut = detect_landmarks(head.skin);
+  EXPECT_EQ(shut.mouth_opening, 0);
+  for (const double degrees : {15.0, 20.0, 28.0}) {
+    const Opening opening{Vec3(0, -4, 14), degrees * kDegree};
+    SurfaceMesh opened = head.skin;
+    for (Vec3& p : opened.points) p = opening(p);
+    const Vec3 chin = opening(shut.landmarks.at("chin").position);
+    EXPECT_GT((chin - shut.landmarks.at("chin").position).norm(), degrees);
+    DetectOptions options;
+    options.given["chin"] = chin;
+    EXPECT_NEAR(detect_landmarks(opened, options).mouth_opening, degrees * kDegree, 6 * kDegree);
+    const Detection found = detect_landmarks(opened);
+    EXPECT_LT(largest_error(found, head.truth, Mat3::Identity(), Vec3::Zero()), kWorst) << degrees;
+    if (degrees > 20) {
+      EXPECT_FALSE(found.warnings.empty());
+      continue;
+    }
+    EXPECT_NEAR(found.mouth_opening, degrees * kDegree, 6 * kDegree);
+    ASSERT_TRUE(found.landmarks.contains("chin")) << degrees;
+    EXPECT_LT((found.landmarks.at("chin").position - chin).norm(), 6) << degrees;
   }
 }
 

