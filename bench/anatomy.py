@@ -9,6 +9,8 @@ Parts (--parts, comma separated; all by default):
   ct       fitted against true skull, also without what of the true one its own bone encloses (nasal cavity, palate, base);
            depth against a constant depth over the face; calibration of the stated SD; stiffness at 2 N, estimated against
            true skull, by region
+  mouth    the heads that are open between their lips with the jaw turned by 0, 12, 20 and 28 degrees: eyes and nose, chin [mm],
+           and the opening that landmarks and fit find
   face     the face alone of every whole head: its landmarks [mm] and how far its skull lies from the whole head's, point by
            point [mm]; with the program bench/bench_fit beside palpate (-DPALPATE_BENCH=ON) also along the normal and in SDs
   time     read to fit on 200 000 triangles
@@ -153,6 +155,30 @@ def ct(o):
         say(f"{name} stiffness at 2 N: median error {100 * c['stiffness']['error_median']:.1f} %   asked: <= 15 %")
 
 
+def mouth(o):
+    for name, path, unit, marks, _ in o.heads:
+        if not marks: continue
+        points, triangles, truth = scans.in_millimetres(path, unit, marks)
+        for degrees in (0, 12, 20, 28):
+            opened = scans.open_mouth(points, triangles, truth, degrees)
+            if not opened: break
+            file = os.path.join(o.out, f'{name}.open{degrees}.ply')
+            scans.write_ply(file, opened[0], triangles)
+            code, out, message = palpate(o, 'landmarks', file, '--json', '--unit', 'mm')
+            if code:
+                say(f'{name:10} {degrees:3} degrees refused: {message}')
+                continue
+            found = json.loads(out)
+            at = {n: p['position'] for n, p in found['landmarks'].items()}
+            worst = max(math.dist(at[n], truth[n]) for n in needed(truth))
+            chin = f"{math.dist(at['chin'], opened[1]):.1f}" if 'chin' in at else 'none'
+            code, out, message = palpate(o, 'fit', file, '-o', file.replace('.ply', '.skull.ply'), '--json', '--unit', 'mm')
+            s = json.loads(out)['fit'] if not code else {}
+            say(f"{name:10} {degrees:3} degrees: eyes and nose {worst:.1f} mm, chin {chin} mm; jaw fitted at {s.get('jaw_opening_deg', math.nan):.1f} "
+                f"(SD {s.get('jaw_opening_sd_deg', math.nan):.1f}) degrees, outside {s.get('outside_count', math.nan):.0f}, "
+                f"self-intersections {s.get('self_intersections', math.nan):.0f}" + ''.join('; warned' for w in found['warnings'] if 'chin' in w))
+
+
 def face(o):
     for name, path, unit, marks, _ in o.heads:
         if not marks: continue
@@ -233,7 +259,7 @@ def main():
     o.place = {h[0]: i for i, h in enumerate(all_heads)}
     o.heads = [h for h in all_heads if not o.only or h[0] in o.only.split(',')]
     if not any(h[4] for h in o.heads): say('no head with a true skull here (../shared/heads): its figures are left out')
-    parts = {'upright': upright, 'turned': turned, 'fit': fit, 'ct': ct, 'face': face, 'time': timing}
+    parts = {'upright': upright, 'turned': turned, 'fit': fit, 'ct': ct, 'mouth': mouth, 'face': face, 'time': timing}
     for part in o.parts.split(',') if o.parts else parts: parts[part](o)
 
 

@@ -112,6 +112,57 @@ def face_alone(points, triangles, marks):
     return points[used], back.reshape(-1, 3).astype(np.int32)
 
 
+def rims(triangles):
+    """The borders of a surface, each a list of points in order."""
+    sides = np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]])
+    both = set(map(tuple, sides))
+    after = {a: b for a, b in both if (b, a) not in both}
+    while after:
+        at, rim = next(iter(after)), []
+        while at in after:
+            rim.append(at)
+            at = after.pop(at)
+        yield rim
+
+
+def open_mouth(points, triangles, marks, degrees):
+    """An upright head [mm] that is open between its lips, its jaw turned about the joint (and glided forwards, as jaws do): the
+    turn's share rises from 0 at the upper lip to 1 at the lower one and over the body of the jaw, smoothly between.
+    None where there is no rim between lips; else the points and where the chin came to lie."""
+    from scipy.sparse import coo_matrix, diags
+    from scipy.sparse.linalg import spsolve
+    x, y, z = points.T
+    eye, tip = (marks['eye_outer_left'] + marks['eye_outer_right']) / 2, marks['nose_tip']
+    lips = [r for r in rims(triangles) if len(r) > 30 and np.ptp(x[r]) > 30 and abs(x[r].mean() - tip[0]) < 5 and tip[1] - 60 < y[r].mean() < tip[1]]
+    if not lips: return None
+    rim = lips[0]
+    corner = [int(np.argmin(x[rim])), int(np.argmax(x[rim]))]
+    rim = rim[corner[0]:] + rim[:corner[0]]
+    end = (corner[1] - corner[0]) % len(rim)
+    upper, lower = sorted((rim[1:end], rim[end + 1:]), key=lambda r: -y[r].mean())
+    mouth = points[rim].mean(axis=0)
+    joint = np.array([0, eye[1] - 19, eye[2] - 61])
+    share = np.full(len(points), np.nan)
+    share[lower], share[upper] = 1, 0
+    share[(y > mouth[1] + 9) | (z < joint[2] + 8)] = 0
+    border = mouth[1] - 47 + 0.35 * (mouth[2] - z)  # of the jaw, below
+    share[(y < mouth[1] - 13) & (z > mouth[2] - 35) & (y > border)] = 1
+    share[(y < border - 22) | (z < joint[2] + 25) & (y < border)] = 0
+    edges = np.unique(np.sort(np.concatenate([triangles[:, [0, 1]], triangles[:, [1, 2]], triangles[:, [2, 0]]]), axis=1), axis=0)
+    a, b = edges.T
+    w = 1 / np.linalg.norm(points[a] - points[b], axis=1)
+    near = coo_matrix((np.r_[w, w], (np.r_[a, b], np.r_[b, a])), shape=(len(points),) * 2).tocsr()
+    laplace = diags(np.asarray(near.sum(axis=1)).ravel()) - near
+    bend, free = (laplace @ laplace + 1e-9 * diags(np.ones(len(points)))).tocsr(), np.isnan(share)
+    share[free] = spsolve(bend[free][:, free].tocsc(), -bend[free][:, ~free] @ share[~free])
+    turn = np.radians(degrees) * np.clip(share, 0, 1)
+    arm, c, s = points - joint, np.cos(turn), np.sin(turn)
+    glide = 20.7 * turn[:, None] * np.array([0, -np.sin(0.6), np.cos(0.6)])
+    opened = joint + np.stack([arm[:, 0], c * arm[:, 1] - s * arm[:, 2], s * arm[:, 1] + c * arm[:, 2]], 1) + glide
+    chin = np.argmax(np.where((abs(x - tip[0]) < 4) & (y < mouth[1] - 22) & (y > mouth[1] - 45), z, -np.inf))
+    return opened, opened[chin]
+
+
 def in_millimetres(path, unit, marks):
     points, triangles = read_ply(path)
     return points * MM[unit], triangles, {n: np.array(p, float) * MM[unit] for n, p in marks.items()}

@@ -53,6 +53,38 @@ SurfaceMesh from_cgal(Mesh& mesh) {
   return out;
 }
 
+/// The same mesh with its points and triangles in an order that does not depend on how the cut was
+/// found (CGAL numbers what is new as it comes upon it): the points of `before` first, in their
+/// order, then the new ones by place. What is remeshed then comes out the same every time.
+Mesh in_order(Mesh& mesh, const SurfaceMesh& before) {
+  const SurfaceMesh cut = from_cgal(mesh);
+  const auto key = [](const Vec3& p) { return std::array<double, 3>{p.x(), p.y(), p.z()}; };
+  std::map<std::array<double, 3>, std::size_t> known;
+  for (std::size_t i = 0; i < before.points.size(); ++i) known.emplace(key(before.points[i]), i);
+  using Rank = std::pair<std::size_t, std::array<double, 3>>;
+  std::vector<std::pair<Rank, std::int32_t>> order;
+  for (std::size_t i = 0; i < cut.points.size(); ++i) {
+    const auto place = key(cut.points[i]);
+    const auto same = known.find(place);
+    order.push_back({{same == known.end() ? before.points.size() : same->second, place},
+                     static_cast<std::int32_t>(i)});
+  }
+  std::sort(order.begin(), order.end());
+  SurfaceMesh out;
+  std::vector<std::int32_t> number(cut.points.size());
+  for (const auto& [rank, i] : order) {
+    number[i] = static_cast<std::int32_t>(out.points.size());
+    out.points.push_back(cut.points[i]);
+  }
+  for (Triangle t : cut.triangles) {
+    for (std::int32_t& v : t) v = number[v];
+    std::rotate(t.begin(), std::min_element(t.begin(), t.end()), t.end());
+    out.triangles.push_back(t);
+  }
+  std::sort(out.triangles.begin(), out.triangles.end());
+  return to_cgal(out);
+}
+
 /// The cut's own triangles come long and thin: they and their neighbours are remeshed.
 /// @param height  of a point above the tool, [mm]; about 0 on the cut
 template <class Height>
@@ -125,6 +157,7 @@ Clipped clip_closed(const SurfaceMesh& mesh, const std::vector<registration::Cut
     } catch (const pmp::Corefinement::Self_intersection_exception&) {
       throw SolveError("the fitted skull intersects itself where the scan ends");
     }
+    work = in_order(work, mesh);
     remesh_cut(
         work, [&](const Vec3& p) { return n.dot(p) - plane.offset; }, edge);
   }
@@ -156,6 +189,7 @@ Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge) {
     }
     return most;
   };
+  rest = in_order(rest, mesh);
   remesh_cut(rest, height, edge);
   Clipped out;
   out.removed_mm3 = before - pmp::volume(rest);

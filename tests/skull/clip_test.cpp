@@ -29,6 +29,15 @@ TEST(Clip, CutsAndClosesASphere) {
     }
 }
 
+TEST(Clip, SameMeshTwice) {
+  const SurfaceMesh sphere = ellipsoid({80, 80, 80}, 0, 5);
+  const auto cut = [&] { return clip_closed(sphere, {{{0.1, -1, 0.2}, 30, 0}}, 3); };
+  const Clipped a = cut(), b = cut();
+  EXPECT_EQ(a.mesh.points, b.mesh.points);
+  EXPECT_EQ(a.mesh.triangles, b.mesh.triangles);
+  EXPECT_EQ(a.origin, b.origin);
+}
+
 TEST(Clip, NothingLeftIsAnError) {
   const SurfaceMesh sphere = ellipsoid({80, 80, 80}, 0, 3);
   EXPECT_THROW(clip_closed(sphere, {{{0, -1, 0}, -100, 0}}, 3), SolveError);
