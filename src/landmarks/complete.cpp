@@ -153,6 +153,7 @@ FacePose pose_of(const Detection& found) {
   pose.rotation = found.frame.rotation.transpose();
   pose.scale = apart.norm() / (left - right).norm();
   pose.translation = found.frame.origin - pose.scale * (pose.rotation * (0.5 * (left + right)));
+  pose.shape[FaceModel::kOpening] = found.mouth_opening / FaceModel::kOpeningAngle;
   return pose;
 }
 
@@ -160,9 +161,16 @@ FacePose pose_of(const Detection& found) {
 FacePose pose_on(const SurfaceMesh& open_face, FacePose pose, const Pins& pins) {
   const Skin skin(open_face);
   pose = fit_pose(skin, pose, {.iterations = 10, .tolerance_mm = 5, .reach_mm = 15}, pins);
+  const double opening = pose.shape[FaceModel::kOpening];  // a mouth that is shut stays so
   pose.shape = {};
+  pose.shape[FaceModel::kOpening] = opening;
   return fit_pose(skin, pose,
-                  {.iterations = 20, .with_shape = true, .tolerance_mm = 2.5, .reach_mm = 8}, pins);
+                  {.iterations = 20,
+                   .with_shape = true,
+                   .with_mouth = opening > 0,
+                   .tolerance_mm = 2.5,
+                   .reach_mm = 8},
+                  pins);
 }
 
 /// Points of the whole head, carried from its pose and shape to the face's.
