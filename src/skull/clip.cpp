@@ -9,6 +9,7 @@
 #include <CGAL/Polygon_mesh_processing/remesh.h>
 #include <CGAL/Polygon_mesh_processing/self_intersections.h>
 #include <CGAL/Surface_mesh.h>
+#include <CGAL/boost/graph/helpers.h>
 
 #include <algorithm>
 #include <array>
@@ -172,6 +173,7 @@ Clipped clip_closed(const SurfaceMesh& mesh, const std::vector<registration::Cut
 
 Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge) {
   Mesh work = to_cgal(mesh), away = to_cgal(tool), rest;
+  if (!CGAL::is_closed(work)) throw SolveError("the skull's surface is open");
   const double before = pmp::volume(work);
   bool whole = false;
   try {
@@ -179,7 +181,7 @@ Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge) {
                                                  pmp::parameters::throw_on_self_intersection(true));
   } catch (const pmp::Corefinement::Self_intersection_exception&) {
   }
-  if (!whole) throw SolveError("the template skull intersects itself between its teeth");
+  if (!whole) throw SolveError("the skull's surface intersects itself");
   const auto height = [&](const Vec3& p) {
     double most = -std::numeric_limits<double>::infinity();
     for (const Triangle& t : tool.triangles) {

@@ -24,7 +24,7 @@ struct Clipped {
 
 /// What of the mesh lies outside a convex tool; the cut is closed with triangles of `edge` [mm].
 /// @param tool  closed, oriented outwards, convex
-/// @throws SolveError  the mesh intersects itself at the cut
+/// @throws SolveError  the mesh is open, or intersects itself
 [[nodiscard]] Clipped carve(const SurfaceMesh& mesh, const SurfaceMesh& tool, double edge);
 
 /// Pairs of triangles that intersect without sharing a corner.

@@ -167,6 +167,19 @@ void set_pose(SkullFit& fit, const DepthFit& solved) {
   fit.statistics["jaw_shift_mm"] = solved.map.pose.shift;
 }
 
+/// No bone between the teeth of an open mouth, where the template lets itself be cut.
+void leave_the_mouth_free(SkullTemplate& skull, DepthFit& solved,
+                          std::vector<std::string>& warnings) {
+  try {
+    PartedTeeth parted = part_teeth(skull, solved.map.jaw);
+    skull = std::move(parted.skull);
+    solved.map.jaw = parted.jaw;
+  } catch (const SolveError& e) {
+    warnings.push_back(
+        fmt::format("the mouth is open, but bone is left between the teeth: {}", e.what()));
+  }
+}
+
 SkullFit fit_depth(const HeadSurface& head, SkullTemplate skull, const SkinField& skin,
                    const std::vector<TissueDepth>& table, const FitOptions& options,
                    const Progress& progress) {
@@ -175,13 +188,11 @@ SkullFit fit_depth(const HeadSurface& head, SkullTemplate skull, const SkinField
   const std::vector<FitPoint> points = make_fit_points(head, skull, model, options);
   DepthFit solved =
       solve_depth_fit(skull, points, skin, start, head.mouth_opening, options, progress);
+  SkullFit fit;
   if (solved.mouth_open) {
-    PartedTeeth parted = part_teeth(skull, solved.map.jaw);
-    skull = std::move(parted.skull);
-    solved.map.jaw = parted.jaw;
+    leave_the_mouth_free(skull, solved, fit.warnings);
     model = make_depth_model(skull, table);
   }
-  SkullFit fit;
   fit.mesh = skull.mesh;
   for (Vec3& p : fit.mesh.points) p = solved.map(p);
   SpreadOptions doubt;

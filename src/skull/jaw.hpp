@@ -62,7 +62,7 @@ struct PartedTeeth {
 };
 /// Cuts a slot of 2 mm through the bite, from the front to behind the second molars, so that no
 /// curtain of bone stands between the teeth of an open mouth. The ramus stays whole.
-/// @throws SolveError  the template intersects itself there
+/// @throws SolveError  the template's surface is open, or intersects itself
 [[nodiscard]] PartedTeeth part_teeth(const SkullTemplate& skull, const Jaw& jaw);
 
 /// From the template's landmarks (po, go, pr, id, sM2, iM2) and regions jaw and chin. Not present

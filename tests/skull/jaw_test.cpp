@@ -10,6 +10,7 @@
 #include <map>
 #include <numbers>
 
+#include "core/error.hpp"
 #include "io/assets.hpp"
 #include "io/scan.hpp"
 #include "opening.hpp"
@@ -176,6 +177,12 @@ TEST(PartedTeeth, LeaveNoBoneBetweenThemWhenTheMouthOpens) {
   for (const auto& [code, landmark] : skull.landmarks)
     EXPECT_NEAR(jaw.weight(landmark.position), find_jaw(skull).weight(landmark.position), 1e-12)
         << code;
+}
+
+TEST(PartedTeeth, AnOpenTemplateIsSaidSo) {
+  SkullTemplate skull = bundled_template();
+  skull.mesh.triangles.pop_back();
+  EXPECT_THROW(static_cast<void>(part_teeth(skull, find_jaw(skull))), SolveError);
 }
 
 /// The bundled head, closed, with the landmarks that its model has and those that can be seen.
