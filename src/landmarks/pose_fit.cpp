@@ -23,7 +23,7 @@ using Rows = Eigen::Matrix<double, 3, kUnknowns>;
 
 constexpr double kSideways = 0.3;  // [-] weight of sliding against leaving the surface
 constexpr double kPrior = 12;      // [mm^2 per SD^2]: 0.4 mm rms over the about 300 points
-constexpr int kMouth = 7 + FaceModel::kOpening;
+constexpr int kMouthUnknown = 7 + FaceModel::kOpening;
 constexpr double kWidestMouth = 1.7;    // [-] 33 degrees (Ferrario et al. 2005)
 constexpr double kScalePrior = 4000;    // [mm^2]: a size 10 % off the mean costs 40 mm^2
 constexpr double kPinWeight = 60;       // [-] a user's point counts as much as 60 surface points
@@ -34,7 +34,7 @@ Matrix system_diagonal(const FitSchedule& schedule) {
   a.diagonal().setConstant(1e-6);
   a(6, 6) = schedule.with_scale ? kScalePrior : 1e12;
   for (int k = 7; k < kUnknowns; ++k) a(k, k) = schedule.with_shape ? kPrior : 1e12;
-  if (!schedule.with_mouth) a(kMouth, kMouth) = 1e12;
+  if (!schedule.with_mouth) a(kMouthUnknown, kMouthUnknown) = 1e12;
   return a;
 }
 
@@ -127,7 +127,8 @@ FacePose fit_pose(const Skin& skin, FacePose pose, const FitSchedule& schedule, 
     }
     add_pins(pose, pins, origin, a, b);
     Vector step = a.ldlt().solve(b);
-    if (!schedule.with_mouth) step[kMouth] = 0;  // not even by the rounding of a stiff spring
+    if (!schedule.with_mouth)
+      step[kMouthUnknown] = 0;  // not even by the rounding of a stiff spring
     apply(pose, step, origin);
   }
   return pose;
