@@ -8,10 +8,10 @@
 // point by point along the normal, and how often within two stated SDs.
 #include <fmt/format.h>
 
+#include <CLI/CLI.hpp>
 #include <algorithm>
 #include <cmath>
 #include <cstdio>
-#include <cstring>
 #include <limits>
 #include <numeric>
 
@@ -30,28 +30,15 @@ using namespace palpate;
 struct Wishes {
   std::vector<std::string> scans;
   std::string skull, out;
-  report::ComparisonOptions compare;
+  std::vector<Box> leave_out;
 };
 
-Wishes read_wishes(int argc, char** argv) {
-  Wishes w;
-  for (int i = 1; i < argc; ++i) {
-    const bool more = i + 1 < argc;
-    if (more && std::strcmp(argv[i], "--skull") == 0) {
-      w.skull = argv[++i];
-    } else if (more && std::strcmp(argv[i], "--out") == 0) {
-      w.out = argv[++i];
-    } else if (more && std::strcmp(argv[i], "--leave-out") == 0) {
-      Box b;
-      if (std::sscanf(argv[++i], "%lf,%lf,%lf,%lf,%lf,%lf", &b.low[0], &b.high[0], &b.low[1],
-                      &b.high[1], &b.low[2], &b.high[2]) != 6)
-        throw InputError("--leave-out: six numbers are wanted");
-      w.compare.leave_out.push_back(b);
-    } else {
-      w.scans.push_back(argv[i]);
-    }
-  }
-  return w;
+Box box_of(const std::string& text) {
+  Box b;
+  if (std::sscanf(text.c_str(), "%lf,%lf,%lf,%lf,%lf,%lf", &b.low[0], &b.high[0], &b.low[1],
+                  &b.high[1], &b.low[2], &b.high[2]) != 6)
+    throw InputError("--leave-out: six numbers are wanted");
+  return b;
 }
 
 /// Depth under the working skin's points along the smoothed inward normal, as the map has it, and
@@ -152,13 +139,27 @@ void measure(const std::string& path, const Wishes& wishes) {
   known.own_skull = wishes.skull;
   const SkullFit truth = app::make_skull(located, known, silent, clock);
   print_apart(fitted, truth);
-  print_against(
-      report::compare_heads(estimated, depth_only(scan, located, truth, known), wishes.compare));
+  print_against(report::compare_heads(estimated, depth_only(scan, located, truth, known),
+                                      {.leave_out = wishes.leave_out}));
 }
 
 }  // namespace
 
 int main(int argc, char** argv) {
-  const Wishes wishes = read_wishes(argc, argv);
-  for (const std::string& scan : wishes.scans) measure(scan, wishes);
+  Wishes wishes;
+  std::vector<std::string> boxes;
+  CLI::App program("the fit and its error bars without a sweep");
+  program.add_option("scan", wishes.scans)->required()->check(CLI::ExistingFile);
+  program.add_option("--skull", wishes.skull, "true skull of the one scan")
+      ->check(CLI::ExistingFile);
+  program.add_option("--leave-out", boxes, "x0,x1,y0,y1,z0,z1 in the scan's unit; may repeat");
+  program.add_option("--out", wishes.out, "also write the fitted skull");
+  CLI11_PARSE(program, argc, argv);
+  try {
+    for (const std::string& box : boxes) wishes.leave_out.push_back(box_of(box));
+    for (const std::string& scan : wishes.scans) measure(scan, wishes);
+  } catch (const InputError& e) {
+    fmt::print(stderr, "bench_fit: {}\n", e.what());
+    return 2;
+  }
 }
