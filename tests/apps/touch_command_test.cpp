@@ -2,6 +2,7 @@
 // touch, replay, feel and devices as a script runs them.
 #include <gtest/gtest.h>
 #include <sys/wait.h>
+#include <unistd.h>
 
 #include <array>
 #include <cmath>
@@ -37,7 +38,8 @@ Said palpate(const std::string& words) {
 
 class TouchCommands : public testing::Test {
  protected:
-  fs::path folder_ = fs::path(testing::TempDir()) / "palpate_touch_commands";
+  fs::path folder_ =
+      fs::path(testing::TempDir()) / ("palpate_touch_commands_" + std::to_string(getpid()));
   std::string head_ = (folder_ / "head.glb").string();
   std::string recording_ = (folder_ / "visit.touch").string();
   void SetUp() override {
