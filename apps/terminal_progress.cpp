@@ -8,15 +8,22 @@
 #include <csignal>
 #include <cstdio>
 #include <string>
+#include <string_view>
 
 namespace palpate::app {
 namespace {
 
 std::atomic<bool> stop_asked{false};
 
-/// The first Ctrl-C asks the run to stop at its next step; the second ends the process at once.
+/// The first Ctrl-C asks the run to stop at its next step; the second ends the process at once,
+/// with what a signal's handler may use.
 void on_interrupt(int signal) {
-  if (stop_asked.exchange(true)) std::_Exit(128 + signal);
+  if (!stop_asked.exchange(true)) return;
+  constexpr std::string_view kSaid =
+      "\npalpate: stopped at once by the second interrupt; give the same command to begin again\n";
+  const auto written = write(STDERR_FILENO, kSaid.data(), kSaid.size());
+  static_cast<void>(written);  // where nobody can hear it, there is nothing more to say
+  std::_Exit(128 + signal);
 }
 
 std::string clock_time(double seconds) {

@@ -259,6 +259,20 @@ TEST_F(CommandLine, StopsOnInterruptAndLeavesNothing) {
     EXPECT_TRUE(entry.path().extension() == ".txt") << entry.path();
 }
 
+// The first asks for a stop at the next step, the second does not wait for one; whichever comes to
+// its end first says so.
+TEST_F(CommandLine, ASecondInterruptStopsAtOnceAndSaysSo) {
+  const pid_t child = start({"build", kHead.string(), "-o", path("head.glb"), "--quiet"});
+  std::this_thread::sleep_for(std::chrono::seconds(3));
+  kill(child, SIGINT);
+  std::this_thread::sleep_for(std::chrono::milliseconds(2));
+  kill(child, SIGINT);
+  const Outcome run = wait_for(child);
+  EXPECT_EQ(run.code, 130) << run.err;
+  EXPECT_NE(run.err.find("palpate: stopped "), std::string::npos) << run.err;
+  EXPECT_FALSE(fs::exists(folder / "head.glb"));
+}
+
 TEST_F(CommandLine, TeachesAndCompletes) {
   const Outcome help = palpate({"build", "--help"});
   EXPECT_EQ(help.code, 0);
