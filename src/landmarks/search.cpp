@@ -23,6 +23,13 @@ constexpr double kAround = 40;       // [mm] surroundings of a dome
 constexpr double kDomeApart = 10;    // [mm] domes closer than this are one
 constexpr double kFlattest = -0.02;  // [1/mm] the flatter curvature of a dome: radius 50 mm at most
 
+// Stride, shape and tolerance [mm] sharpen while the hypotheses thin out.
+constexpr FitSchedule kRough = {
+    .iterations = 4, .stride = 5, .with_scale = false, .tolerance_mm = 6};
+constexpr FitSchedule kBetter = {.iterations = 6, .stride = 3, .tolerance_mm = 5};
+constexpr FitSchedule kShaped = {.iterations = 10, .with_shape = true, .tolerance_mm = 4};
+constexpr FitSchedule kFinal = {.iterations = 15, .with_shape = true, .tolerance_mm = 2.5};
+
 struct Hypothesis {
   FacePose pose;
   double cost = 0;
@@ -144,10 +151,8 @@ void open_mouth(const Skin& skin, const FacePose& start, const Pins& pins, FaceS
   constexpr double kStarts[] = {0.4, 0.8, 1.2};  // [-] way of the opening: 8 to 23 degrees
   constexpr double kGain = 0.5;                  // [mm] of the lower face's cost
   constexpr double kLeast = 0.15;                // [-] 3 degrees
-  constexpr FitSchedule kShaped = {
-      .iterations = 10, .with_shape = true, .with_mouth = true, .tolerance_mm = 4};
-  constexpr FitSchedule kFinal = {
-      .iterations = 15, .with_shape = true, .with_mouth = true, .tolerance_mm = 2.5};
+  FitSchedule shaped = kShaped, final = kFinal;
+  shaped.with_mouth = final.with_mouth = true;
   const auto cost = [](const FaceFit& fit) { return fit.core.cost() + fit.lower.cost(); };
   std::array<FacePose, std::size(kStarts)> poses;
   std::array<FaceFit, std::size(kStarts)> fits;
@@ -155,7 +160,7 @@ void open_mouth(const Skin& skin, const FacePose& start, const Pins& pins, FaceS
     FacePose pose = start;
     pose.shape = {};
     pose.shape[FaceModel::kOpening] = kStarts[i];
-    poses[i] = fit_pose(skin, fit_pose(skin, pose, kShaped, pins), kFinal, pins);
+    poses[i] = fit_pose(skin, fit_pose(skin, pose, shaped, pins), final, pins);
     fits[i] = judge(skin, poses[i]);
   });
   std::size_t best = 0;
@@ -176,12 +181,6 @@ FaceSearch search_face(const Skin& skin, const Pins& pins, const Progress& progr
         "no face found: looked for a nose tip (a dome that bends with a radius of 50 mm or less) "
         "and found no dome at all");
   }
-  // Stride, shape and tolerance [mm] sharpen while the hypotheses thin out.
-  constexpr FitSchedule kRough = {
-      .iterations = 4, .stride = 5, .with_scale = false, .tolerance_mm = 6};
-  constexpr FitSchedule kBetter = {.iterations = 6, .stride = 3, .tolerance_mm = 5};
-  constexpr FitSchedule kShaped = {.iterations = 10, .with_shape = true, .tolerance_mm = 4};
-  constexpr FitSchedule kFinal = {.iterations = 15, .with_shape = true, .tolerance_mm = 2.5};
   const Pins still = without_the_jaw(pins);
   refine(skin, all, kRough, still, {48, 5}, progress);
   refine(skin, all, kBetter, still, {16, 2}, progress);
